@@ -1,0 +1,1 @@
+"""What is missing, where and why: a diagnosis of the gap between a valve and its model."""

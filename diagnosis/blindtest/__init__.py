@@ -1,0 +1,1 @@
+"""Blind tests: plants made by an independent route, diagnosed without their truth."""

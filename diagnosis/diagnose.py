@@ -1,0 +1,323 @@
+"""Diagnose records of one valve: where the gap lies, which effect causes it, how far it shrinks."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from diagnosis.holdout import Holdout, hold_out
+from diagnosis.judgement import Judgement, judge, rivals_of
+from diagnosis.regimes import Regime, regimes_of
+from diagnosis.score import Score, closed_interval, closed_share, score_fit, score_simulated
+from diagnosis.selection import Candidate, select, workers
+from identification.experiment import Experiment, simulate_rows
+from identification.fit import Fit, finished, fit_base, measured
+from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
+from identification.search import descend
+from identification.timing import experiments_of
+from identification.uncertainty import estimates
+from valvemodel.declarations import STAGES
+from valvemodel.effects import effect_of_key
+from valvemodel.files import make_folder, write_json
+from valvemodel.model import Model
+from valvemodel.records import Record
+
+SCHEMA = "valvemodel.diagnosis/1"
+
+NAMED_FROM = 0.5
+"""Probability of a cause together with those it cannot be told from, from which it is named."""
+
+SHOWN_CAUSES = 12
+"""Causes that are listed; the probabilities of the others are added to the last but one."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One cause with its probability, its parameters, and how far the gap shrinks with it; no effects is `none`."""
+
+    effects: tuple[str, ...]
+    probability: float
+    score: Score
+    parameters: dict[str, dict[str, dict[str, Any]]]
+    closed: float | None
+    closed_interval: tuple[float, float] | None
+    rivals: list[tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """All that a diagnosis found, in SI units."""
+
+    verdict: str
+    stage: str | None
+    stage_probability: dict[str, float]
+    regimes: list[Regime]
+    causes: list[Cause]
+    unknown_probability: float
+    as_given: Score
+    refitted: Score
+    floor: float
+    holdout: Holdout
+    given: Model
+    base: Fit
+    found: Fit
+    steps: list[tuple[str, float]]
+    warnings: tuple[str, ...]
+    seconds: float
+
+    @property
+    def cause(self) -> Cause:
+        """The best cause."""
+        return self.causes[0]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the content of diagnosis.json."""
+        return {
+            "schema": SCHEMA,
+            "verdict": self.verdict,
+            "where": {
+                "stage": self.stage,
+                "stage_probability": self.stage_probability,
+                "regimes": [vars(regime) for regime in self.regimes],
+            },
+            "causes": [
+                {
+                    "effects": list(cause.effects),
+                    "probability": cause.probability,
+                    "parameters": cause.parameters,
+                    "gap_after": cause.score.rms,
+                    "gap_closed": cause.closed,
+                    "gap_closed_interval": None if cause.closed_interval is None else list(cause.closed_interval),
+                    "indistinguishable_from": [list(rival) for rival in cause.rivals],
+                }
+                for cause in self.causes
+            ],
+            "unknown_probability": self.unknown_probability,
+            "gap": {
+                "unit": "m",
+                "as_given": self.as_given.rms,
+                "refitted": self.refitted.rms,
+                "with_cause": self.cause.score.rms,
+                "noise_floor": self.floor,
+                "scored_on": self.holdout.scored_on,
+            },
+            "base": {"name": self.base.model.name, "file": "base.json"},
+            "records": [experiment.name for experiment in self.experiments],
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+
+    @property
+    def experiments(self) -> list[Experiment]:
+        """All experiments, fitted and scored, each once."""
+        experiments = list(self.holdout.experiments)
+        return experiments + [each for each in self.holdout.scored_experiments if each not in experiments]
+
+    def write(self, folder: Path) -> dict[str, Path]:
+        """Write diagnosis.json, base.json, model.json and report.html, and return their places."""
+        from diagnosis.picture import evidence_of
+        from diagnosis.report import write_page
+
+        folder = make_folder(folder)
+        places = {name: folder / name for name in ("diagnosis.json", "base.json", "model.json", "report.html")}
+        content = self.as_json()
+        write_json(places["diagnosis.json"], content)
+        self.base.model.write(places["base.json"])
+        self.found.model.write(places["model.json"])
+        write_page(places["report.html"], content, evidence_of(self))
+        return places
+
+
+def diagnose(
+    records: Sequence[Record],
+    model: Model,
+    *,
+    jobs: int | None = None,
+    progress: Progress = lambda what, share: None,
+) -> Diagnosis:
+    """Find where and why a valve and its model disagree.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
+    model : Model
+        The valve as given; its base parameters are where the refit begins.
+    jobs : int or None
+        Processes; by default one a core.
+    progress : callable
+        Called with what is being done and a share of it from 0 to 1.
+
+    Returns
+    -------
+    Diagnosis
+    """
+    began = time.perf_counter()
+    experiments, notes = experiments_of(records)
+    holdout = hold_out(experiments)
+    progress("refitting the base valve", 0.0)
+    base = fit_base(model, holdout.experiments, holdout.fitted)
+    given = score_model(model, holdout)
+    first = Candidate((), base, score_fit(base, holdout))
+    with workers(jobs) as pool:
+        candidates = select(first, holdout, pool, progress)
+    floor = min(holdout.noise, min(each.score.rms for each in candidates))
+    judgement = judge(candidates, floor)
+    causes = causes_of(candidates, judgement, floor)
+    verdict = verdict_of(causes, judgement)
+    shown = next(each for each in candidates if each.effects == causes[0].effects)
+    progress("fitting the cause to the whole record", 0.9)
+    whole = fitted_to_all(shown.fit, experiments)
+    whole_base = fitted_to_all(base, experiments)
+    causes[0] = with_parameters(causes[0], whole)
+    stage_probability = stages_of(causes, judgement.unknown)
+    named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
+    regimes = regimes_of(
+        experiments,
+        [each.position - whole_base.simulated_on(each).position[0] for each in experiments],
+        [whole_base.simulated_on(each).mode[0] for each in experiments],
+    )
+    return Diagnosis(
+        verdict=verdict,
+        stage=named[0] if verdict != "none" and stage_probability[named[0]] > 0.0 else None,
+        stage_probability=stage_probability,
+        regimes=regimes,
+        causes=causes,
+        unknown_probability=judgement.unknown,
+        as_given=given,
+        refitted=first.score,
+        floor=floor,
+        holdout=holdout,
+        given=model,
+        base=whole_base,
+        found=whole,
+        steps=steps_of(given, candidates, shown, floor),
+        warnings=(*(warning for record in records for warning in record.warnings), *notes),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def score_model(model: Model, holdout: Holdout) -> Score:
+    """Score a model as it is given, started at the first readings."""
+    return score_simulated(
+        holdout,
+        [
+            simulate_rows(
+                experiment,
+                model.rows(start_position=experiment.first_reading),
+                substep=SEARCH_SUBSTEP,
+                tolerance=SEARCH_TOLERANCE,
+                with_pressure=True,
+            )
+            for experiment in holdout.scored_experiments
+        ],
+    )
+
+
+def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float) -> list[Cause]:
+    """Return the causes, the most probable first; what is not listed is shared out among those listed."""
+    order = sorted(range(len(candidates)), key=lambda number: (-judgement.probabilities[number], number))
+    listed = order[:SHOWN_CAUSES]
+    if 0 not in listed:
+        listed.append(0)
+    share = judgement.probabilities[listed].sum()
+    scale = (1.0 - judgement.unknown) / share if share > 0.0 else 0.0
+    base = candidates[0].score
+    causes = []
+    for number in listed:
+        candidate = candidates[number]
+        causes.append(
+            Cause(
+                effects=candidate.effects,
+                probability=float(judgement.probabilities[number] * scale),
+                score=candidate.score,
+                parameters=plain_parameters(candidate.fit),
+                closed=closed_share(base.rms, candidate.score.rms, floor),
+                closed_interval=closed_interval(base, candidate.score, floor),
+                rivals=rivals_of(number, candidates, judgement),
+            )
+        )
+    return causes
+
+
+def plain_parameters(fit: Fit) -> dict[str, dict[str, dict[str, Any]]]:
+    """Return the parameters of a fit's effects without uncertainty."""
+    return {
+        key: {
+            name: {"value": value, "unit": effect_of_key(key).parameter(name).unit, "std": None}
+            for name, value in values.items()
+            if np.isfinite(value)
+        }
+        for key, values in fit.model.effects.items()
+    }
+
+
+def with_parameters(cause: Cause, fit: Fit) -> Cause:
+    """Return a cause with the parameters of the fit to all data and their uncertainty."""
+    parameters = plain_parameters(fit)
+    for estimate in estimates(fit):
+        for values in parameters.values():
+            if estimate.name in values:
+                values[estimate.name]["std"] = estimate.std
+    return Cause(**{**vars(cause), "parameters": parameters})
+
+
+def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
+    """Fit the unknowns of a fit once more to all that was measured, from where they are."""
+    from dataclasses import replace
+
+    from identification.unknowns import start_unknown
+
+    shared = [(unknown, x) for unknown, x in zip(fit.unknowns, fit.found.point, strict=True) if unknown.experiment < 0]
+    starts = [
+        (unknown, x) for unknown, x in zip(fit.unknowns, fit.found.point, strict=True) if unknown.experiment >= 0
+    ]
+    starts += [
+        (start_unknown(experiments[number].first_reading, number), 0.0)
+        for number in range(len(starts), len(experiments))
+    ]
+    unknowns = [unknown for unknown, _ in [*shared, *starts]]
+    point = np.array([x for _, x in [*shared, *starts]])
+    problem = replace(
+        fit.problem, experiments=experiments, unknowns=unknowns, used=measured(experiments), anchors=()
+    )
+    return finished(problem, descend(problem, point, evaluations=15, precision=1e-7))
+
+
+def verdict_of(causes: Sequence[Cause], judgement: Judgement) -> str:
+    """Return `effect`, `none` or `unknown`: whichever has most of the probability."""
+    none = sum(cause.probability for cause in causes if not cause.effects)
+    effect = 1.0 - none - judgement.unknown
+    return max((effect, "effect"), (none, "none"), (judgement.unknown, "unknown"))[1]
+
+
+def stages_of(causes: Sequence[Cause], unknown: float) -> dict[str, float]:
+    """Return the probability that the gap lies in each stage; a cause of several stages counts in each by its share."""
+    shares = dict.fromkeys(STAGES, 0.0)
+    for cause in causes:
+        for key in cause.effects:
+            shares[effect_of_key(key).stage] += cause.probability / len(cause.effects)
+    known = sum(shares.values())
+    if known > 0.0:
+        shares = {stage: share * (known + unknown) / known for stage, share in shares.items()}
+    return shares
+
+
+def steps_of(
+    given: Score, candidates: Sequence[Candidate], shown: Candidate, floor: float
+) -> list[tuple[str, float]]:
+    """Return the gap step by step: as given, base refitted, each effect added, noise floor. [m]"""
+    steps = [("as given", given.rms), ("base refitted", candidates[0].score.rms)]
+    for count in range(1, len(shown.effects) + 1):
+        part = shown.effects[:count]
+        for candidate in candidates:
+            if candidate.effects == part:
+                steps.append((f"+ {effect_of_key(part[-1]).title}", candidate.score.rms))
+    return [*steps, ("noise floor", floor)]

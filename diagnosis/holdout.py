@@ -1,0 +1,47 @@
+"""What is fitted and what is kept back to score on: blocks in time, or other records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from identification.experiment import Experiment
+
+EVERY = 3
+"""Every so many blocks in time one is kept back."""
+
+
+@dataclass(frozen=True)
+class Holdout:
+    """Experiments to fit and experiments to score on, each with the samples that count.
+
+    With one record the scored samples are blocks in time of the same experiment; with several, the last record, of
+    which only the start position is taken, from its first readings.
+    """
+
+    experiments: tuple[Experiment, ...]
+    fitted: tuple[np.ndarray, ...]
+    scored_experiments: tuple[Experiment, ...]
+    scored: tuple[np.ndarray, ...]
+    scored_on: str
+
+    @property
+    def noise(self) -> float:
+        """Noise of the scored readings, the floor of the gap. [m]"""
+        counts = np.array([mask.sum() for mask in self.scored])
+        squares = np.array([experiment.noise**2 for experiment in self.scored_experiments])
+        return float(np.sqrt((squares * counts).sum() / counts.sum()))
+
+
+def hold_out(experiments: Sequence[Experiment]) -> Holdout:
+    """Split experiments into what is fitted and what is scored."""
+    measured = [np.isfinite(experiment.position) for experiment in experiments]
+    if len(experiments) > 1:
+        return Holdout(
+            tuple(experiments[:-1]), tuple(measured[:-1]), (experiments[-1],), (measured[-1],), "other records"
+        )
+    kept = experiments[0].block % EVERY == EVERY - 1
+    whole = (experiments[0],)
+    return Holdout(whole, (measured[0] & ~kept,), whole, (measured[0] & kept,), "held-out blocks")

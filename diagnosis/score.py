@@ -1,0 +1,105 @@
+"""Scores: how far a fitted model is from data that it has not seen, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.holdout import Holdout
+from identification.experiment import Simulated
+from identification.fit import Fit
+
+RESAMPLES = 1000
+"""Resamples of the block bootstrap."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Squared errors of one model on the scored samples, summed by block.
+
+    Attributes
+    ----------
+    squares : array, shape (blocks,) [m^2]
+        Of the position.
+    weighted : array, shape (blocks,)
+        Of position and pressure, in units of the noise.
+    counts : array, shape (blocks,)
+        Samples of position.
+    persistence : float
+        Sum of the autocorrelation of the weighted position error: samples that count as one.
+    """
+
+    squares: np.ndarray
+    weighted: np.ndarray
+    counts: np.ndarray
+    persistence: float
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean squared error of the position. [m]"""
+        return float(np.sqrt(self.squares.sum() / self.counts.sum()))
+
+
+def score_fit(fit: Fit, holdout: Holdout) -> Score:
+    """Score a fit on the samples that were kept back."""
+    simulated = [fit.simulated_on(experiment) for experiment in holdout.scored_experiments]
+    return score_simulated(holdout, simulated)
+
+
+def score_simulated(holdout: Holdout, simulated: Sequence[Simulated]) -> Score:
+    """Score simulated positions and pressures, one row each, on the samples that were kept back."""
+    squares, weighted, counts, persistence = [], [], [], [1.0]
+    for experiment, one, mask in zip(holdout.scored_experiments, simulated, holdout.scored, strict=True):
+        error = np.where(mask, experiment.position - one.position[0], 0.0)
+        error = np.where(np.isfinite(error), error, 1.0)
+        blocks = np.unique(experiment.block[mask])
+        last = experiment.block.max() + 1
+        by_block = np.bincount(experiment.block, error**2, last)[blocks]
+        total = by_block / experiment.noise**2
+        if experiment.pressure is not None:
+            off = np.where(mask, (experiment.pressure - one.pressure[0]) / experiment.pressure_noise, 0.0)
+            total = total + np.bincount(experiment.block, off**2, last)[blocks]
+        squares.append(by_block)
+        weighted.append(total)
+        counts.append(np.bincount(experiment.block, mask, last)[blocks])
+        persistence.append(persistence_of(error[mask]))
+    return Score(np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), max(persistence))
+
+
+def persistence_of(error: np.ndarray) -> float:
+    """Return how many neighbouring samples of an error count as one: 1 for white noise.
+
+    Twice the sum of the autocorrelation up to its first fall below 0.1, plus 1.
+    """
+    error = error - error.mean()
+    variance = float(error @ error)
+    if variance <= 0.0 or len(error) < 16:
+        return 1.0
+    size = 1 << (2 * len(error) - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(error, size)) ** 2
+    correlation = np.fft.irfft(spectrum, size)[: len(error) // 4] / variance
+    ends = np.flatnonzero(correlation < 0.1)
+    until = int(ends[0]) if len(ends) else len(correlation)
+    return float(1.0 + 2.0 * correlation[1:until].sum())
+
+
+def closed_share(refitted: float, after: float, floor: float) -> float | None:
+    """Return the share of the reducible gap that is closed, or None where nothing is reducible."""
+    reducible = refitted - floor
+    return (refitted - after) / reducible if reducible > 0.0 else None
+
+
+def closed_interval(base: Score, with_cause: Score, floor: float, *, seed: int = 0) -> tuple[float, float] | None:
+    """Return the 95 % interval of the share closed, by resampling the scored blocks."""
+    draws = np.random.default_rng(seed).integers(0, len(base.squares), (RESAMPLES, len(base.squares)))
+    counts = base.counts[draws].sum(axis=1)
+    refitted = np.sqrt(base.squares[draws].sum(axis=1) / counts)
+    after = np.sqrt(with_cause.squares[draws].sum(axis=1) / counts)
+    reducible = refitted - floor
+    usable = reducible > 0.02 * floor
+    if usable.mean() < 0.5:
+        return None
+    low, high = np.quantile(((refitted - after) / np.where(usable, reducible, 1.0))[usable], [0.025, 0.975])
+    return float(low), float(high)

@@ -1,0 +1,1 @@
+"""Which numbers fit the data: experiments, unknowns, fits and what a record determines."""

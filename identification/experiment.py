@@ -1,0 +1,120 @@
+"""An experiment: one record made ready for simulation and comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identification.noise import noise_level
+from valvemodel import chain
+from valvemodel.parameters import STATE
+from valvemodel.records import Record
+
+SETTLING_TIME = 5.0
+"""How long each current of a settled loop is held. [s]"""
+
+BLOCK_TIME = 3.0
+"""Length of the blocks in time that are fitted or held out. [s]"""
+
+LOOP_NOISE = 0.002
+"""Noise of a settled loop, which has no neighbours in time to take it from, over its range."""
+
+PERIODS_OF_BLOCK = 25
+"""A block has at least so many samples."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """Held drives and what was measured.
+
+    Attributes
+    ----------
+    name : str
+    time : array, shape (n,) [s]
+        From 0 on.
+    current : array, shape (n,) [A]
+        Held from each sample to the next.
+    position : array, shape (n,) [m]
+        NaN where nothing was measured.
+    pressure : array, shape (n,) [Pa], or None
+    noise, pressure_noise : float [m], [Pa]
+        Of the readings, estimated from themselves.
+    block : array of int, shape (n,)
+        Number of the block in time that a sample belongs to.
+    """
+
+    name: str
+    time: np.ndarray
+    current: np.ndarray
+    position: np.ndarray
+    pressure: np.ndarray | None
+    noise: float
+    pressure_noise: float
+    block: np.ndarray
+
+    @property
+    def first_reading(self) -> float:
+        """Median of the first readings: where a search for the start position begins. [m]"""
+        return float(np.median(self.position[np.isfinite(self.position)][:5]))
+
+
+def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
+    """Make an experiment from a time record or a settled loop.
+
+    Each current is held for a period. A row of a time record holds the state at the period's start, just before its
+    current acts, or where `reads_at_end` at its end. A loop has no time: each current is held until the stem has
+    settled, and the row holds the state at the end.
+    """
+    assert record.current is not None and record.position is not None
+    current = np.ascontiguousarray(record.current, float)
+    position = np.ascontiguousarray(record.position, float)
+    pressure = None if record.pressure is None else np.ascontiguousarray(record.pressure, float)
+    if record.time is None:
+        time = SETTLING_TIME * np.arange(len(current))
+        noise = max(LOOP_NOISE * float(np.ptp(position)), 1e-9)
+        pressure_noise = 0.0 if pressure is None else LOOP_NOISE * float(np.ptp(pressure))
+        period, block_time = SETTLING_TIME, 4.0 * SETTLING_TIME
+    else:
+        time = np.ascontiguousarray(record.time - record.time[0], float)
+        period = float(np.median(np.diff(time)))
+        block_time = max(BLOCK_TIME, PERIODS_OF_BLOCK * period)
+        noise = noise_level(position)
+        pressure_noise = 0.0 if pressure is None else noise_level(pressure)
+    if reads_at_end or record.time is None:
+        time = np.append(time, time[-1] + period)
+        current = np.append(current, current[-1])
+        position = np.insert(position, 0, np.nan)
+        pressure = None if pressure is None else np.insert(pressure, 0, np.nan)
+    block = (time // block_time).astype(int)
+    return Experiment(record.name, time, current, position, pressure, noise, pressure_noise, block)
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """Rows of numbers run over one experiment; arrays of shape (rows, n)."""
+
+    position: np.ndarray
+    pressure: np.ndarray
+    mode: np.ndarray
+
+
+def simulate_rows(
+    experiment: Experiment,
+    rows: np.ndarray,
+    *,
+    substep: float,
+    tolerance: float,
+    anchors: np.ndarray = chain.FREE,
+    with_pressure: bool = False,
+) -> Simulated:
+    """Run each row of numbers over an experiment, exactly or at a search's stated tolerance."""
+    shape = (len(rows), len(experiment.time))
+    position = np.empty(shape)
+    pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (chain.NONE, chain.NONE)
+    states = np.zeros(len(rows), STATE)
+    chain.run_chain(
+        rows, states, experiment.time, experiment.current, anchors, chain.CURRENT, substep, tolerance,
+        position, pressure, mode,
+    )  # fmt: skip
+    return Simulated(position, pressure, mode)

@@ -1,0 +1,116 @@
+"""Hints: where a search for an effect begins, read off the record and off what the fit so far leaves over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+
+from identification.experiment import Experiment
+from identification.noise import reading_grid
+from valvemodel.declarations import Effect, Parameter
+
+PLACES = 9
+"""Places along the travel at which a local effect is looked for."""
+
+PERIODS = 4
+"""Strongest periods of the residual at which a periodic effect is looked for."""
+
+Residuals = list[np.ndarray]
+
+
+def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residuals) -> Iterator[dict[str, float]]:
+    """Yield the points at which a search for an effect begins, every parameter named.
+
+    Parameters
+    ----------
+    effect : Effect
+    experiments : list of Experiment
+    residuals : list of arrays [m]
+        Measured less simulated position, one for each experiment, NaN where nothing counts.
+    """
+    choices = [_choices(parameter, experiments, residuals) for parameter in effect.parameters]
+    names = [parameter.name for parameter in effect.parameters]
+    if effect.is_one_of:
+        for chosen, values in zip(effect.parameters, choices, strict=True):
+            for value in values:
+                yield {each.name: value if each is chosen else each.neutral for each in effect.parameters}
+        return
+    for values in product(*choices):
+        yield dict(zip(names, values, strict=True))
+
+
+def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:
+    values: list[float] = []
+    for start in parameter.starts:
+        values += _hinted(start, experiments, residuals) if isinstance(start, str) else [float(start)]
+    return [value if math.isinf(value) else min(max(value, parameter.low), parameter.high) for value in values]
+
+
+def _hinted(hint: str, experiments: list[Experiment], residuals: Residuals) -> list[float]:
+    readings = np.concatenate([each.position[np.isfinite(each.position)] for each in experiments])
+    if hint == "highest_reading":
+        return [float(np.quantile(readings, 0.999))]
+    if hint == "lowest_reading":
+        return [float(np.quantile(readings, 0.001))]
+    if hint == "reading_step":
+        return [max(coarsest_grid(each) for each in experiments)[0]]
+    if hint == "reading_phase":
+        return [max(coarsest_grid(each) for each in experiments)[1]]
+    if hint == "travel_place":
+        low, high = np.quantile(readings, [0.02, 0.98])
+        return [float(place) for place in np.linspace(low, high, PLACES)]
+    assert hint == "residual_period", hint
+    longest = max(range(len(residuals)), key=lambda number: len(residuals[number]))
+    return strongest_periods(experiments[longest].time, residuals[longest])
+
+
+def strongest_periods(time: np.ndarray, residual: np.ndarray) -> list[float]:
+    """Return the periods at which sine and cosine explain most of a residual, best first. [s]
+
+    Frequencies from half a wave in the record up to the period of one second, in steps of a quarter wave.
+    """
+    kept = np.isfinite(residual)
+    time, residual = time[kept][::5], residual[kept][::5]
+    residual = residual - residual.mean()
+    duration = time[-1] - time[0]
+    frequencies = np.arange(0.5, min(duration, 200.0), 0.25) / duration
+    wave = np.exp(-2j * np.pi * frequencies[:, None] * time)
+    power = np.abs(wave @ residual)
+    periods: list[float] = []
+    for index in np.argsort(power)[::-1]:
+        period = 1.0 / frequencies[index]
+        if all(abs(duration / period - duration / other) >= 1.0 for other in periods):
+            periods.append(float(period))
+        if len(periods) == PERIODS:
+            break
+    return periods
+
+
+def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
+    """Return step and offset of the coarsest grid that the readings crowd around, noise on top allowed. [m]
+
+    A grid wider than the noise makes the readings add up in phase when they are wound around its step; the display
+    grid of the values themselves is returned where none does better.
+    """
+    readings = experiment.position[np.isfinite(experiment.position)]
+    shown = reading_grid(readings)
+    if shown[0] > 3.0 * experiment.noise:
+        return shown
+    sample = readings[:: max(len(readings) // 1500, 1)]
+    span = max(float(np.ptp(sample)), 1e-9)
+    wave_numbers = np.arange(4.0 / span, 1.0 / (5.0 * experiment.noise), 0.2 / span)
+    in_phase = np.empty(len(wave_numbers), complex)
+    for first in range(0, len(wave_numbers), 500):
+        part = wave_numbers[first : first + 500]
+        in_phase[first : first + 500] = np.exp(2j * np.pi * part[:, None] * sample).mean(axis=1)
+    strength = np.abs(in_phase)
+    if len(strength) == 0 or strength.max() < 0.5:
+        return shown
+    step = float(1.0 / wave_numbers[np.argmax(strength)])
+    for _ in range(3):
+        numbers = np.round((readings - np.angle(np.exp(2j * np.pi * readings / step).mean()) * step / (2 * np.pi)) / step)
+        step, offset = (float(each) for each in np.polyfit(numbers, readings, 1))
+    return step, offset - step * round(offset / step)

@@ -1,0 +1,54 @@
+"""When a row was read: before or after the current that stands in it has acted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from identification.experiment import Experiment, experiment_of
+from identification.noise import noise_level
+from valvemodel.records import Record
+
+STEP_CURRENT = 2e-4
+"""Smallest change of the current from row to row that counts as a step. [A]"""
+
+STEP_OVER_RAMP = 8.0
+"""A step is so many times the usual change from row to row."""
+
+CERTAINTY = 6.0
+"""Standard errors by which readings must answer the current of their own row."""
+
+END_OF_PERIOD = "rows hold the state at the end of each period: readings answer the current of their own row"
+
+
+def experiments_of(records: Sequence[Record]) -> tuple[list[Experiment], list[str]]:
+    """Make experiments of one valve's records, and say where their rows hold the state at the end of a period.
+
+    A row that was read just before its current acts cannot know that current. Where readings at steps of the current
+    answer it in the same row, all records are taken to be read at the end.
+    """
+    reads_at_end = any(answers_own_row(record) for record in records)
+    notes = [END_OF_PERIOD] if reads_at_end else []
+    return [experiment_of(record, reads_at_end=reads_at_end) for record in records], notes
+
+
+def answers_own_row(record: Record) -> bool:
+    """Return whether pressure or position turn with a step of the current in the very row of the step."""
+    if record.time is None or record.current is None:
+        return False
+    change = np.diff(record.current)
+    usual = float(np.median(np.abs(change)))
+    steps = np.flatnonzero(np.abs(change) > max(STEP_CURRENT, STEP_OVER_RAMP * usual)) + 1
+    steps = steps[steps >= 2]
+    if len(steps) < 3:
+        return False
+    side = np.sign(change[steps - 1])
+    for signal in (record.pressure, record.position):
+        if signal is None:
+            continue
+        turn = side * (signal[steps] - 2.0 * signal[steps - 1] + signal[steps - 2])
+        error = noise_level(signal) * np.sqrt(6.0 / len(steps))
+        if float(np.nanmean(turn)) > CERTAINTY * error:
+            return True
+    return False

@@ -1,0 +1,99 @@
+"""The unknowns of a fit: which numbers move, how they are scaled, and what holds them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from valvemodel.base_valve import FITTED_BASE
+from valvemodel.declarations import Parameter
+from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
+
+START_SPREAD = 0.02
+"""A start position is looked for within a few of these about the first reading. [m]"""
+
+
+FREE_RANGE = 2.5
+"""A base parameter is looked for within this many powers of e about where a search begins."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that a fit moves: value = centre exp(x) where it is logarithmic, else centre + spread x.
+
+    `experiment` is the number of the experiment whose start position it is, or -1.
+    """
+
+    name: str
+    unit: str
+    centre: float
+    spread: float
+    is_logarithmic: bool
+    low: float
+    high: float
+    prior_spread: float = 1.0
+    experiment: int = -1
+
+    def value(self, x: np.ndarray | float) -> np.ndarray:
+        """Return the value at a scaled number."""
+        if self.is_logarithmic:
+            return self.centre * np.exp(x)
+        return self.centre + self.spread * np.asarray(x)
+
+    def scaled(self, value: float) -> float:
+        """Return the scaled number of a value, within the bounds."""
+        value = min(max(value, self.low), self.high)
+        if self.is_logarithmic:
+            return math.log(max(value, self.low) / self.centre)
+        return (value - self.centre) / self.spread
+
+    def slope(self, value: float) -> float:
+        """Return by how much the value moves with the scaled number."""
+        return value if self.is_logarithmic else self.spread
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Scaled bounds."""
+        return self.scaled(self.low), self.scaled(self.high)
+
+
+def base_unknowns(model: Model) -> list[Unknown]:
+    """Return the free base parameters k, F_c, f_v, c0, E and, held by its prior, the mass."""
+    unknowns = []
+    for parameter in FITTED_BASE:
+        if parameter.name in ("gap_offset", "gap_gain") and model.values["pressure_per_current"] > 0.0:
+            continue
+        centre = model.values[parameter.name] or parameter.neutral
+        low = max(parameter.low, centre * math.exp(-FREE_RANGE))
+        high = min(parameter.high, centre * math.exp(FREE_RANGE))
+        unknowns.append(
+            Unknown(parameter.name, parameter.unit, centre, centre, True, low, high, parameter.prior_spread)
+        )
+    return unknowns
+
+
+def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
+    """Return the free parameters of an effect that starts somewhere; infinite ones stay neutral."""
+    return [unknown_of(each) for each in effect_of_key(key).fitted if math.isfinite(start[each.name])]
+
+
+def unknown_of(parameter: Parameter) -> Unknown:
+    """Return the unknown of one parameter of an effect, scaled by its smallest start or its typical value."""
+    numbers = [abs(each) for each in (*parameter.starts, parameter.typical) if isinstance(each, float) and each != 0.0]
+    sizes = [size for size in numbers if math.isfinite(size)]
+    size = min(sizes) if sizes else 0.1 * (parameter.high - parameter.low)
+    if parameter.scale == "log":
+        return Unknown(parameter.name, parameter.unit, size, size, True, parameter.low, parameter.high)
+    return Unknown(parameter.name, parameter.unit, 0.0, size, False, parameter.low, parameter.high)
+
+
+def start_unknown(first_reading: float, experiment: int) -> Unknown:
+    """Return the start position of one experiment."""
+    reach = 5.0 * START_SPREAD
+    return Unknown(
+        "start_position", "m", first_reading, START_SPREAD, False, first_reading - reach, first_reading + reach,
+        experiment=experiment,
+    )

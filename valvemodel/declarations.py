@@ -1,0 +1,102 @@
+"""What a parameter and an effect are: declared once, as data that checks itself when built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from valvemodel.errors import unknown_name
+
+HINTS = frozenset(
+    {"highest_reading", "lowest_reading", "reading_step", "reading_phase", "travel_place", "residual_period"}
+)  # fmt: skip
+"""What a search may read off a record to begin with; the search says how."""
+
+STAGES = ("electromagnet", "nozzle", "stem", "sensor")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One physical number of the valve or of an effect.
+
+    `low` and `high` bound the values that are physically sensible. `neutral` is the value at which an effect vanishes
+    exactly (for a parameter of the base valve, its usual value). `starts` are where searches begin: numbers, or the
+    name of a hint that is read off the record (`HINTS`). `typical` is the value without one named, by default the
+    first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
+    how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
+    fit puts on the scaled number: 1 is a factor of e either way.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+    neutral: float
+    starts: tuple[float | str, ...] = ()
+    scale: str = "linear"
+    is_fitted: bool = True
+    typical: float | None = None
+    prior_spread: float = 1.0
+
+    def __post_init__(self) -> None:
+        assert self.name.isidentifier() and self.name == self.name.lower(), self.name
+        assert self.low < self.high, f"{self.name}: bounds {self.low}..{self.high}"
+        assert self.scale in ("linear", "log"), self.name
+        assert self.scale == "linear" or self.low > 0, f"{self.name}: a log scale needs positive bounds"
+        for start in self.starts:
+            is_sound = start in HINTS if isinstance(start, str) else self.low <= start <= self.high
+            assert is_sound or start == self.neutral, f"{self.name}: start {start}"
+        if self.typical is None and self.starts:
+            object.__setattr__(self, "typical", float(self.starts[0]))
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect that the base model lacks, complete: nothing else holds a list of its names.
+
+    The effect is absent, to the last bit, while all its parameters are at their neutral values. `is_jagged` says that
+    the error of a fit has many minima, so that a search must be global. `is_one_of` says that one parameter at a time
+    acts, the others staying neutral. `aliases` are the effects (or `none`) whose trace comes close in current and
+    position; `told_apart_by` is what would tell them apart.
+    """
+
+    key: str
+    stage: str
+    title: str
+    meaning: str
+    equation: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    is_jagged: bool = False
+    is_one_of: bool = False
+    aliases: tuple[str, ...] = ()
+    told_apart_by: str = ""
+
+    def __post_init__(self) -> None:
+        assert self.stage in STAGES, f"{self.key}: stage {self.stage}"
+        assert self.source and self.meaning and self.equation, f"{self.key}: meaning, equation and source"
+        assert self.parameters, f"{self.key}: at least one parameter"
+        assert all(parameter.starts for parameter in self.parameters), f"{self.key}: starts"
+
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter of that name.
+
+        Raises
+        ------
+        InputError
+            If the effect has none of that name; names the nearest.
+        """
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise unknown_name(f"a parameter of {self.key}", name, [each.name for each in self.parameters])
+
+    @property
+    def fitted(self) -> tuple[Parameter, ...]:
+        """The parameters that a fit moves."""
+        return tuple(parameter for parameter in self.parameters if parameter.is_fitted)
+
+    @property
+    def typical(self) -> dict[str, float]:
+        """The value of each parameter where the effect is switched on without naming one."""
+        return {parameter.name: float(parameter.typical or 0.0) for parameter in self.parameters}

@@ -1,0 +1,183 @@
+"""A model: a valve and the effects that are switched on, immutable, written to and read from model.json."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.declarations import Parameter
+from valvemodel.effects import effect_of_key
+from valvemodel.errors import InputError, unknown_name
+from valvemodel.files import write_json
+from valvemodel.parameters import parameter_rows
+
+SCHEMA = "valvemodel.model/1"
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Model:
+    """A valve with its effects.
+
+    Parameters
+    ----------
+    name : str
+        What the valve is called: a set, a file, or the record it was fitted to.
+    values : mapping
+        Base parameters by name [SI]; absent ones are neutral.
+    effects : mapping
+        By effect key the values of its parameters [SI]; absent parameters are at their typical value.
+    """
+
+    name: str
+    values: Values
+    effects: Mapping[str, Values] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        base = {parameter.name: parameter.neutral for parameter in BASE_PARAMETERS}
+        for name, value in self.values.items():
+            if name not in base:
+                raise unknown_name("a parameter of the valve", name, base)
+            base[name] = float(value)
+        check_valve(base)
+        effects = {}
+        for key, given in self.effects.items():
+            effect = effect_of_key(key)
+            values = effect.typical
+            for name, value in given.items():
+                values[name] = _within(effect.parameter(name), float(value))
+            effects[key] = MappingProxyType(values)
+        object.__setattr__(self, "values", MappingProxyType(base))
+        object.__setattr__(self, "effects", MappingProxyType(effects))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Model, (self.name, dict(self.values), {key: dict(values) for key, values in self.effects.items()})
+
+    def with_effect(self, key: str, **values: float) -> Model:
+        """Return the model with an effect switched on or changed."""
+        return Model(self.name, self.values, {**self.effects, key: values})
+
+    def without_effect(self, key: str) -> Model:
+        """Return the model with an effect switched off."""
+        return Model(self.name, self.values, {k: v for k, v in self.effects.items() if k != key})
+
+    def with_values(self, **values: float) -> Model:
+        """Return the model with base parameters changed."""
+        return Model(self.name, {**self.values, **values}, self.effects)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Every number that is not neutral, base and effects together, by name. [SI]"""
+        numbers = dict(self.values)
+        for values in self.effects.values():
+            numbers.update(values)
+        return numbers
+
+    def rows(self, count: int = 1, start_position: float = math.nan) -> np.ndarray:
+        """Return the compiled chain's rows of numbers, dtype PARAMETERS, shape (count,)."""
+        return parameter_rows({**self.numbers, "start_position": start_position}, count)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the content of model.json; infinite travel limits are left out."""
+        return {
+            "schema": SCHEMA,
+            "name": self.name,
+            "valve": {
+                parameter.name: {"value": self.values[parameter.name], "unit": parameter.unit}
+                for parameter in BASE_PARAMETERS
+                if math.isfinite(self.values[parameter.name])
+            },
+            "effects": {
+                key: {
+                    name: {"value": value, "unit": effect_of_key(key).parameter(name).unit}
+                    for name, value in values.items()
+                    if math.isfinite(value)
+                }
+                for key, values in self.effects.items()
+            },
+        }
+
+    def write(self, path: Path) -> None:
+        """Write model.json."""
+        write_json(path, self.as_json())
+
+
+def read_model(path: Path) -> Model:
+    """Read a model.json or base.json.
+
+    Raises
+    ------
+    InputError
+        If the file is not such a model; says which entry and why.
+    """
+    path = Path(path)
+    remedy = "give a model.json or base.json that valvemodel fit or diagnose wrote"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError("a model file must be readable", f"{path}: {error.strerror}", remedy) from None
+    except ValueError as error:
+        raise InputError("a model file must be JSON", f"{path}: {error}", remedy) from None
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        found = content.get("schema") if isinstance(content, dict) else type(content).__name__
+        raise InputError(f"a model file has the schema {SCHEMA!r}", f"{path} has {found!r}", remedy)
+    valve = {name: _number(path, name, entry) for name, entry in _table(path, content, "valve").items()}
+    effects = {
+        key: {name: _number(path, name, entry) for name, entry in values.items()}
+        for key, values in _table(path, content, "effects").items()
+    }
+    for name in ("travel_min", "travel_max"):
+        valve.setdefault(name, -math.inf if name == "travel_min" else math.inf)
+    for key, values in effects.items():
+        for parameter in effect_of_key(key).parameters:
+            if parameter.name not in values and not math.isfinite(parameter.neutral):
+                values[parameter.name] = parameter.neutral
+    return Model(str(content.get("name", path.stem)), valve, effects)
+
+
+def check_valve(values: Values) -> None:
+    """Refuse a valve that physics does not allow, with the rule and the value."""
+    for name in ("stem_mass", "diaphragm_area", "supply_pressure", "flow_ratio", "rated_travel"):
+        if not values[name] > 0.0 or not math.isfinite(values[name]):
+            raise InputError(f"{name} must be positive", f"it is {values[name]:g}", "correct the valve")
+    for name in ("spring_rate", "viscous_friction", "coulomb_friction", "gap_gain", "pressure_per_current"):
+        if not values[name] >= 0.0 or not math.isfinite(values[name]):
+            raise InputError(f"{name} must not be negative", f"it is {values[name]:g}", "correct the valve")
+    if not values["travel_min"] < values["travel_max"]:
+        arrived = f"they are {values['travel_min']:g} and {values['travel_max']:g} m"
+        raise InputError("travel_min must be below travel_max", arrived, "correct the valve")
+
+
+def _within(parameter: Parameter, value: float) -> float:
+    if value == parameter.neutral or parameter.low <= value <= parameter.high:
+        return value
+    raise InputError(
+        f"{parameter.name} must lie in {parameter.low:g}..{parameter.high:g} {parameter.unit}",
+        f"got {value:g}",
+        f"its meaning is: {parameter.meaning}",
+    )
+
+
+def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:
+    table = content.get(name, {})
+    if not isinstance(table, dict) or not all(isinstance(entry, dict) for entry in table.values()):
+        raise InputError(f"{name!r} of a model file is a table", f"{path} has {table!r}", "write it anew")
+    return table
+
+
+def _number(path: Path, name: str, entry: Any) -> float:
+    value = entry.get("value") if isinstance(entry, dict) else None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(
+            "each number of a model file is a table with a value", f"{path}: {name} is {entry!r}", "write it anew"
+        )
+    return float(value)

@@ -1,0 +1,67 @@
+"""One compiled record holds every number of a valve and of all effects, made from the declarations."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.stages import EFFECTS
+
+_HERE = Path(__file__).parent
+_COMPILED = (*sorted((_HERE / "stages").glob("*.py")), _HERE / "chain.py", _HERE / "equations" / "numeric.py")
+
+
+def _fingerprint() -> str:
+    """Name the state of the compiled sources, so that a change in any of them makes a new type and no stale cache."""
+    digest = hashlib.sha256()
+    for path in _COMPILED:
+        digest.update(path.read_bytes())
+    return f"sources_{digest.hexdigest()[:12]}"
+
+
+EFFECT_PARAMETERS = tuple(parameter for effect in EFFECTS for parameter in effect.parameters)
+PARAMETERS = np.dtype(
+    [(parameter.name, "f8") for parameter in BASE_PARAMETERS + EFFECT_PARAMETERS]
+    + [("start_position", "f8"), (_fingerprint(), "f8")]
+)
+"""Type of the record of numbers that the compiled chain reads."""
+
+STATE = np.dtype(
+    [
+        (name, "f8")
+        for name in (
+            "flux_current", "hysteresis", "hysteresis_input",
+            "droop", "supplied_pressure", "chamber_pressure", "filled_pressure", "pressure",
+            "position", "velocity", "mode", "bristle",
+            "linkage", "lagged_reading", "period",
+            "known_mass", "known_damping", "known_stiffness", "known_duration",
+            "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
+        )
+    ]
+)  # fmt: skip
+"""Type of the state that the compiled chain carries from period to period."""
+
+
+def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
+    """Make equal rows of numbers, neutral but for the given values.
+
+    Parameters
+    ----------
+    values : mapping of parameter name to SI value
+        `start_position` may be among them (a reading); NaN or absent means at rest in the middle of the stuck band.
+    count : int
+        Number of rows.
+
+    Returns
+    -------
+    array, shape (count,), dtype PARAMETERS
+    """
+    rows = np.zeros(count, PARAMETERS)
+    for parameter in BASE_PARAMETERS + EFFECT_PARAMETERS:
+        rows[parameter.name] = values.get(parameter.name, parameter.neutral)
+    rows["start_position"] = values.get("start_position", np.nan)
+    return rows

@@ -1,0 +1,205 @@
+"""Reads a record from a file: columns by their names, numbers by their units, nothing guessed or repaired."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+from valvemodel.errors import InputError
+from valvemodel.records.checks import check_column, check_length, check_motion
+from valvemodel.records.column import Cells, Column, has_decimal_comma, read_column
+from valvemodel.records.delimited import read_delimited
+from valvemodel.records.doubts import doubts
+from valvemodel.records.header import DIMENSIONS, find_columns, missing_column
+from valvemodel.records.matlab import read_matlab
+from valvemodel.records.measurement import Measurement
+from valvemodel.records.parquet import read_parquet
+from valvemodel.records.record import Record
+from valvemodel.records.sheet import Sheet
+
+_LARGEST = 2 * 1024**3  # [bytes]: the cells of a text file take several times this in memory
+
+_OTHER_KINDS = {
+    b"PK\x03\x04": "an Excel workbook or a ZIP archive",
+    b"\xd0\xcf\x11\xe0": "an old Excel workbook",
+    b"\x1f\x8b": "packed with gzip",
+    b"%PDF": "a PDF",
+}
+
+
+def read_record(
+    path: str | Path,
+    *,
+    rated_travel: float | None = None,
+    needs: tuple[str, ...] = ("current", "position"),
+    allow_loop: bool = True,
+) -> Record:
+    """Read a record from a CSV, Parquet or MAT file.
+
+    Columns are found by name and unit, `current [mA]`, in any order and case; others are ignored. `%` is of
+    4..20 mA for current and of the rated travel for position. Where current is missing, `force` may stand in.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    rated_travel : float, optional
+        Travel from 0 to 100 %, for positions in percent. Without it they stay fractions. [m]
+    needs : tuple of str
+        The columns that the purpose needs. Others that are there are read too; where "position" is not
+        needed, a defect in them is a warning.
+    allow_loop : bool
+        Whether a record without time will do.
+
+    Returns
+    -------
+    Record
+        Signals in SI units, shape (n,) each, with the warnings about them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or the record makes an answer meaningless; names line, column and value.
+
+    Examples
+    --------
+    >>> record = read_record("valve.csv")  # doctest: +SKIP
+    """
+    path = Path(path)
+    sheet = _open(path)
+    columns, warnings = _read(sheet, needs=needs, allow_loop=allow_loop)
+    is_moving = "position" in needs
+    measurement = Measurement(sheet, columns)
+    check_length(measurement, is_moving=is_moving)
+    for name in tuple(columns):
+        try:
+            check_column(measurement, name)
+        except InputError as error:
+            if _is_required(name, columns, needs):
+                raise
+            warnings.append(_left_out(columns.pop(name), error))
+    if is_moving:
+        check_motion(measurement)
+    warnings += doubts(measurement, is_moving=is_moving)
+    position = columns.get("position")
+    in_percent = position is not None and position.is_percent
+    signals = {name: column.values for name, column in columns.items()}
+    if in_percent and rated_travel is not None:
+        signals["position"] = signals["position"] * rated_travel
+    elif in_percent and is_moving:
+        warnings.append("position stays in percent: the valve's rated travel is not known")
+    return Record(
+        path.stem,
+        str(path),
+        **signals,
+        position_unit="%" if in_percent and rated_travel is None else "m",
+        warnings=tuple(warnings),
+    )
+
+
+def _open(path: Path) -> Sheet:
+    content = _load(path)
+    name = path.name
+    for magic, what in _OTHER_KINDS.items():
+        if content.startswith(magic):
+            raise InputError(
+                "a record is CSV, Parquet or MAT", f"{name} is {what}", "export or unpack it as CSV"
+            )
+    suffix = path.suffix.lower()
+    if content.startswith(b"PAR1") or suffix in (".parquet", ".pq"):
+        return read_parquet(content, name)
+    if content.startswith((b"MATLAB", b"\x89HDF")) or suffix == ".mat":
+        return read_matlab(content, name)
+    return read_delimited(content, name)
+
+
+def _load(path: Path) -> bytes:
+    rule = "a record is a file that can be read"
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise InputError(rule, f"{path} is a folder", "name a file in it")
+        if stat.S_ISCHR(status.st_mode) or stat.S_ISBLK(status.st_mode):
+            raise InputError(rule, f"{path} is a device", "name a file")
+        if status.st_size > _LARGEST:
+            size = f"{status.st_size / 1024**3:.1f} GiB"
+            raise InputError(
+                "a record is at most 2 GiB",
+                f"{path} has {size}",
+                "cut it, or export it as Parquet with fewer rows",
+            )
+        content = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(rule, f"{path} does not exist", "check the name and the folder") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(rule, f"{path}: {reason}", "check the name and the permissions") from None
+    if not content.strip():
+        raise InputError(
+            "a record has a line of column names and rows", f"{path} is empty", "export it again"
+        )
+    return content
+
+
+def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[dict[str, Column], list[str]]:
+    """Return the columns in SI units, and what is to be said about how they were read."""
+    found = find_columns(sheet.headers)
+    required = list(needs)
+    if "current" in needs and "position" in needs and "current" not in found and "force" in found:
+        required[required.index("current")] = "force"
+    if not allow_loop and "time" not in required:
+        required.insert(0, "time")
+    if missing := [name for name in required if name not in found]:
+        raise missing_column(missing, sheet)
+    names = [name for name in DIMENSIONS if name in found]
+    numbers = [found[name][0] for name in names]
+    cells = [
+        Cells(name, sheet.headers[number], series, sheet)
+        for name, number, series in zip(names, numbers, sheet.read(numbers), strict=True)
+    ]
+    has_comma = has_decimal_comma(cells)
+    warnings = _notes(sheet, has_comma=has_comma)
+    columns = {}
+    for one in cells:
+        try:
+            _check_is_single(one, found[one.name])
+            columns[one.name] = read_column(one, has_decimal_comma=has_comma)
+        except InputError as error:
+            if _is_required(one.name, found, needs):
+                raise
+            warnings.append(_left_out(one, error))
+        else:
+            warnings += columns[one.name].notes
+    return columns, warnings
+
+
+def _is_required(name: str, found: dict, needs: tuple[str, ...]) -> bool:
+    """Return whether a defect of a column makes the answer meaningless."""
+    if name in needs or name == "time":
+        return True
+    return "position" in needs and (name != "force" or "current" not in found)
+
+
+def _check_is_single(cells: Cells, numbers: list[int]) -> None:
+    if len(numbers) > 1:
+        texts = " and ".join(repr(cells.sheet.headers[number].text) for number in numbers)
+        raise InputError(
+            f"there is one column {cells.name}",
+            f"{cells.sheet.name} has {texts}",
+            "rename or delete all but one",
+        )
+
+
+def _left_out(column: Cells | Column, error: InputError) -> str:
+    return f"column {column.header.text!r} is left out: {error.arrived}"
+
+
+def _notes(sheet: Sheet, *, has_comma: bool) -> list[str]:
+    notes = list(sheet.notes)
+    if has_comma:
+        decimal = "',' as decimal sign"
+        if notes and notes[-1].endswith("between columns"):
+            notes[-1] += f" and {decimal}"
+        else:
+            notes.append(f"read with {decimal}")
+    return notes

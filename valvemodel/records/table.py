@@ -1,0 +1,40 @@
+"""Writes tables of results: whole files with exact numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars
+
+from valvemodel.files import write_beside
+
+
+def write_table(path: str | Path, columns: Mapping[str, Any]) -> None:
+    """Write columns as CSV, or as Parquet where the file's name ends so.
+
+    Numbers are written with as many digits as it takes to read the same float64 back, and no more.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; it appears whole or not at all.
+    columns : mapping of str to array or list of str
+        Names with units, `time [s]`, and values of equal length, shape (n,) each.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    frame = polars.DataFrame([_series(name, values) for name, values in columns.items()])
+    write = frame.write_parquet if Path(path).suffix.lower() in (".parquet", ".pq") else frame.write_csv
+    write_beside(Path(path), write)
+
+
+def _series(name: str, values: np.ndarray | Sequence[Any]) -> polars.Series:
+    if isinstance(values, np.ndarray) and values.dtype.kind in "fiu":
+        return polars.Series(name, np.ascontiguousarray(values))
+    return polars.Series(name, [str(value) if isinstance(value, str) else value for value in values])

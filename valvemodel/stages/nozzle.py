@@ -1,0 +1,276 @@
+"""Nozzle: gap to actuator pressure, with the effects of chamber, supply, line and gas."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.declarations import Effect, Parameter
+from valvemodel.equations import numeric
+
+ATMOSPHERE = 101325.0
+"""Absolute pressure of the surroundings. [Pa]"""
+
+EFFECTS = (
+    Effect(
+        key="chamber_filling",
+        stage="nozzle",
+        title="chamber filling",
+        meaning="the flow through orifice and nozzle has to fill the chamber before the pressure is there",
+        equation=r"T\,\dot P / P_1 = \sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}",
+        source="paper eq. (15) with Q_b filling a volume",
+        parameters=(
+            Parameter("chamber_filling_time", "s", "time to fill to P1 at the full orifice flow", 0.0, 10.0, 0.0, (0.3, 1.5)),
+        ),
+        aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
+        told_apart_by="a measured pressure; steps up and down at several levels",
+    ),
+    Effect(
+        key="asymmetric_filling",
+        stage="nozzle",
+        title="asymmetric filling",
+        meaning="the amplifier fills and vents at different capacities, down to a rate limit one way",
+        equation=r"\dot P = (P_s - P)/T_\pm,\quad |\dot P| \le 1/s \text{ in the slower direction}",
+        source="spool amplifier with unequal ports; first order with rate limit",
+        parameters=(
+            Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
+            Parameter("vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02)),
+            Parameter("filling_slowness", "s/Pa", "inverse of the rate limit of the slower direction", 0.0, 2e-3, 0.0, (1e-5,)),
+        ),
+        aliases=("chamber_filling", "asymmetric_viscous_friction"),
+        told_apart_by="a measured pressure; large steps both ways",
+    ),
+    Effect(
+        key="supply_droop",
+        stage="nozzle",
+        title="supply droop",
+        meaning="the supply sags when the actuator fills and recovers slowly",
+        equation=r"P_1' = P_1 - d,\quad \dot d = g\,\max(\dot P, 0) - d/T",
+        source="receiver behind a regulator of finite flow, first order",
+        parameters=(
+            Parameter("droop_gain", "1", "sag of the supply over rise of the pressure", 0.0, 2.0, 0.0, (0.2,)),
+            Parameter("droop_recovery_time", "s", "time constant of the recovery", 0.05, 200.0, 3.0, (2.0, 15.0), "log"),
+        ),
+        aliases=("chamber_filling", "asymmetric_filling"),
+        told_apart_by="a gauge on the supply",
+    ),
+    Effect(
+        key="air_leak",
+        stage="nozzle",
+        title="air leak",
+        meaning="a hole in diaphragm or tubing behind a laminar restriction takes a part of the pressure",
+        equation=r"P_a + \ell\sqrt{P_1 P_a} = P_b",
+        source="laminar restriction into a turbulent hole, at rest",
+        parameters=(Parameter("leak_ratio", "1", "pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),),
+        aliases=("choked_flow", "none"),
+        told_apart_by="a gauge on either side of the restriction, or the air consumed",
+    ),
+    Effect(
+        key="choked_flow",
+        stage="nozzle",
+        title="choked flow",
+        meaning="orifice and nozzle pass a compressible gas and choke, instead of the incompressible law",
+        equation=r"P_1^a\,\psi(P^a/P_1^a) = \sqrt{K}\,\delta\,P^a\,\psi(P_0/P^a),\quad \psi=\sqrt{1-((r-b)/(1-b))^2}",
+        source="Saint-Venant and Wantzel (1839) in the form of ISO 6358",
+        parameters=(
+            Parameter("compressible_share", "1", "0: incompressible, 1: compressible", 0.0, 1.0, 0.0, (1.0,), is_fitted=False),
+            Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, 0.528, (0.528,), is_fitted=False),
+        ),
+        aliases=("none", "air_leak", "magnetic_saturation"),
+        told_apart_by="a measured pressure over the whole range of current",
+    ),
+    Effect(
+        key="transport_delay",
+        stage="nozzle",
+        title="transport delay",
+        meaning="the line delays the pressure by a dead time",
+        equation=r"P(t) = P_b(t - T_d)",
+        source="travel of a pressure wave along the tubing",
+        parameters=(Parameter("transport_delay", "s", "dead time", 0.0, 3.0, 0.0, (0.08, 0.4)),),
+        aliases=("coil_lag", "sensor_lag", "chamber_filling"),
+        told_apart_by="a measured pressure, or a faster sampling of one step",
+    ),
+)
+
+static_pressure = compiled(numeric.static_pressure)
+chamber_inflow = compiled(numeric.chamber_inflow)
+
+
+@compiled
+def passed_share(ratio, critical):
+    """Return the flow through a hole over its choked flow, ISO 6358."""
+    if ratio <= critical:
+        return 1.0
+    if ratio >= 1.0:
+        return 0.0
+    part = (ratio - critical) / (1.0 - critical)
+    return math.sqrt(1.0 - part * part)
+
+
+@compiled
+def compressible_pressure(gap, supply, flow_ratio, critical):
+    """Return the gauge pressure at which the choking orifice feeds the choking nozzle. [Pa]
+
+    The balance falls with the pressure; its root is bracketed by 0 and the supply (Illinois method).
+    """
+    opening = math.sqrt(flow_ratio) * abs(gap)
+    high_side = supply + ATMOSPHERE
+    low, high = 0.0, supply
+    at_low = high_side * passed_share(ATMOSPHERE / high_side, critical)
+    at_high = -opening * high_side * passed_share(ATMOSPHERE / high_side, critical)
+    pressure = high
+    if at_high >= 0.0:
+        return pressure
+    side = 0
+    for _ in range(100):
+        pressure = (low * at_high - high * at_low) / (at_high - at_low)
+        absolute = pressure + ATMOSPHERE
+        balance = high_side * passed_share(absolute / high_side, critical)
+        balance -= opening * absolute * passed_share(ATMOSPHERE / absolute, critical)
+        if abs(balance) <= 1e-12 * high_side or high - low <= 1e-9 * supply:
+            break
+        if balance > 0.0:
+            low, at_low = pressure, balance
+            if side == 1:
+                at_high *= 0.5
+            side = 1
+        else:
+            high, at_high = pressure, balance
+            if side == -1:
+                at_low *= 0.5
+            side = -1
+    return pressure
+
+
+@compiled
+def resting_pressure(p, gap, supply):
+    """Return the pressure at which the flows of orifice and nozzle agree. [Pa]"""
+    pressure = static_pressure(gap, supply, p.flow_ratio)
+    if p.compressible_share > 0.0:
+        compressible = compressible_pressure(gap, supply, p.flow_ratio, p.critical_pressure_ratio)
+        pressure += p.compressible_share * (compressible - pressure)
+    return pressure
+
+
+@compiled
+def behind_leak(p, pressure):
+    """Return the actuator pressure behind restriction and leak; the identity without a leak. [Pa]"""
+    if p.leak_ratio == 0.0 or pressure <= 0.0:
+        return pressure
+    loss = p.leak_ratio * math.sqrt(p.supply_pressure)
+    root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * pressure))
+    return root * root
+
+
+@compiled
+def fill_chamber(p, state, resting, gap, supply, duration):
+    """Let the chamber fill towards its resting pressure and return the mean pressure. [Pa]
+
+    Exponential midpoint rule: exact at rest, second order, stable for any duration.
+    """
+    departure = state.chamber_pressure - resting
+    if abs(departure) <= 1e-9 * supply:
+        state.chamber_pressure = resting
+        return resting
+    rate = filling_rate(p, state.chamber_pressure, resting, gap, supply)
+    halfway = resting + departure * math.exp(-0.5 * rate * duration)
+    rate = filling_rate(p, halfway, resting, gap, supply)
+    decayed = -math.expm1(-rate * duration)
+    state.chamber_pressure = resting + departure * (1.0 - decayed)
+    return resting + departure * decayed / (rate * duration)
+
+
+@compiled
+def filling_rate(p, pressure, resting, gap, supply):
+    """Return the rate at which a departure from rest dies out, its secant in eq. (15). [1/s]"""
+    bounded = min(max(pressure, 0.0), supply)
+    departure = bounded - resting
+    if abs(departure) <= 1e-9 * supply:
+        bounded = resting * (1.0 - 1e-6) + 1e-6 * supply
+        departure = bounded - resting
+    inflow = chamber_inflow(bounded, gap, supply, p.flow_ratio)
+    at_rest = chamber_inflow(resting, gap, supply, p.flow_ratio)
+    return max(-(inflow - at_rest) * supply / (departure * p.chamber_filling_time), 1e-6)
+
+
+@compiled
+def fill_unequally(p, state, target, duration):
+    """Follow a target at the capacity of the direction, rate-limited in the slower one; return the mean. [Pa]"""
+    departure = target - state.filled_pressure
+    side = 1.0 if departure > 0.0 else -1.0
+    time_constant = p.fill_time if side > 0.0 else p.vent_time
+    is_limited = p.filling_slowness > 0.0 and (side > 0.0) == (p.fill_time > p.vent_time)
+    left, area, size = duration, 0.0, abs(departure)
+    if is_limited:
+        rate = 1.0 / p.filling_slowness
+        ramp = min(max((size - rate * time_constant) / rate, 0.0), left)
+        area += ramp * (size - 0.5 * rate * ramp)
+        size -= rate * ramp
+        left -= ramp
+    if time_constant > 0.0:
+        decayed = -math.expm1(-left / time_constant)
+        area += size * time_constant * decayed
+        size -= size * decayed
+    elif left > 0.0:
+        size = 0.0
+    state.filled_pressure = target - side * size
+    return target - side * area / duration
+
+
+@compiled
+def resting_pressure_of_chain(p, gap, current):
+    """Return the pressure at rest under the full supply, by eqs. (16), (31) or by the valve's affine map. [Pa]"""
+    if p.pressure_per_current > 0.0:
+        return p.pressure_at_zero_current + p.pressure_per_current * current
+    return resting_pressure(p, gap, p.supply_pressure)
+
+
+@compiled
+def sag_supply(p, state, share, duration):
+    """Let a rise of the pressure draw the supply down, which then recovers; return the mean pressure. [Pa]
+
+    Exact while the share of the supply is held: the sag acts at once on the rise that causes it.
+    """
+    before = state.supplied_pressure
+    pressure = (p.supply_pressure - state.droop) * share
+    if pressure > before:
+        pressure = (pressure + p.droop_gain * share * before) / (1.0 + p.droop_gain * share)
+        state.droop += p.droop_gain * (pressure - before)
+    recovery_time = p.droop_recovery_time * (1.0 + p.droop_gain * share)
+    recovered = -math.expm1(-duration / recovery_time)
+    mean = p.supply_pressure * share - state.droop * share * recovery_time * recovered / duration
+    state.droop *= 1.0 - recovered
+    state.supplied_pressure = (p.supply_pressure - state.droop) * share
+    return mean
+
+
+@compiled
+def advance_nozzle(p, state, gap, current, duration):
+    """Hold the gap for a duration and return the mean actuator pressure over it. [Pa]
+
+    Valve sets with an affine map of current to pressure use the current instead of the gap.
+    """
+    pressure = resting_pressure_of_chain(p, gap, current)
+    after = pressure
+    if p.droop_gain > 0.0:
+        pressure = sag_supply(p, state, pressure / p.supply_pressure, duration)
+        after = state.supplied_pressure
+    if p.chamber_filling_time > 0.0:
+        pressure = fill_chamber(p, state, pressure, gap, p.supply_pressure, duration)
+        after = state.chamber_pressure
+    if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness > 0.0:
+        pressure = fill_unequally(p, state, pressure, duration)
+        after = state.filled_pressure
+    state.pressure = behind_leak(p, after)
+    return behind_leak(p, pressure)
+
+
+@compiled
+def rest_nozzle(p, state, gap, current):
+    """Put the stage at rest at a gap."""
+    pressure = resting_pressure_of_chain(p, gap, current)
+    state.droop = 0.0
+    state.supplied_pressure = pressure
+    state.chamber_pressure = pressure
+    state.filled_pressure = pressure
+    state.pressure = behind_leak(p, pressure)

@@ -1,0 +1,130 @@
+"""Sensor: stem position to reading, with the effects of linkage and transmitter."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.declarations import Effect, Parameter
+
+EFFECTS = (
+    Effect(
+        key="linkage_backlash",
+        stage="sensor",
+        title="linkage backlash",
+        meaning="play between stem and transmitter",
+        equation=r"z = \min(\max(z, y - b), y + b)",
+        source="play operator, Krasnosel'skii and Pokrovskii (1989)",
+        parameters=(Parameter("backlash_half_width", "m", "half the play", 0.0, 0.03, 0.0, (1e-3, 4e-3)),),
+        aliases=("none", "magnetic_hysteresis"),
+        told_apart_by="a second position sensor at the stem, or the pressure at which the stem itself starts",
+    ),
+    Effect(
+        key="quantisation",
+        stage="sensor",
+        title="quantisation",
+        meaning="the reading comes in coarse steps",
+        equation=r"r = o + q\,\mathrm{round}((z - o)/q)",
+        source="ideal rounding to a grid with an offset",
+        parameters=(
+            Parameter("resolution", "m", "one step of the reading", 0.0, 0.02, 0.0, ("reading_step",), is_fitted=False, typical=1e-3),
+            Parameter("resolution_offset", "m", "a reading on the grid", -0.02, 0.02, 0.0, ("reading_phase",), is_fitted=False, typical=0.0),
+        ),
+        told_apart_by="the readings themselves: they take few values",
+    ),
+    Effect(
+        key="sensor_drift",
+        stage="sensor",
+        title="sensor drift",
+        meaning="the zero of the transmitter creeps",
+        equation=r"r = z + d\,t",
+        source="linear zero drift",
+        parameters=(Parameter("sensor_drift_rate", "m/s", "creep of the zero", -3e-4, 3e-4, 0.0, (1e-5, -1e-5)),),
+        aliases=("gap_drift", "load_force"),
+        told_apart_by="a measured pressure, or a mechanical stop that is visited early and late",
+    ),
+    Effect(
+        key="sensor_lag",
+        stage="sensor",
+        title="sensor lag",
+        meaning="the transmitter is slow",
+        equation=r"T\,\dot r = z - r",
+        source="first-order transmitter or filter",
+        parameters=(Parameter("sensor_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
+        aliases=("coil_lag", "chamber_filling", "transport_delay"),
+        told_apart_by="a measured pressure, or a faster sampling of one reversal: a slow reading rounds the corner",
+    ),
+    Effect(
+        key="linkage_nonlinearity",
+        stage="sensor",
+        title="linkage nonlinearity",
+        meaning="the rotary linkage reads a bow, and a skew, over the travel",
+        equation=r"r = z + 4\xi(1 - \xi)\,(h + \sqrt{27}/2\,s\,(1 - 2\xi)),\quad \xi = z/L",
+        source="lever geometry to third order",
+        parameters=(
+            Parameter("linkage_bow", "m", "h: bow in the middle of the travel", -0.05, 0.05, 0.0, (3e-3, -3e-3)),
+            Parameter("linkage_skew", "m", "s: swing between the halves of the travel", -0.02, 0.02, 0.0, (1e-3,), typical=0.0),
+        ),
+        aliases=("spring_hardening", "area_variation", "magnetic_saturation"),
+        told_apart_by="a straight scale on the stem, or a measured pressure with a known spring",
+    ),
+)
+
+
+SKEW = 0.5 * math.sqrt(27.0)
+"""Scales the skew so that its largest swing is the parameter (4 x (1 - x) (1 - 2 x) peaks at 4/sqrt(108))."""
+
+
+@compiled
+def bow(p, position):
+    """Return the indicated for a true position; the identity for a straight linkage. [m]"""
+    if p.linkage_bow == 0.0 and p.linkage_skew == 0.0:
+        return position
+    share = position / p.rated_travel
+    return position + 4.0 * share * (1.0 - share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+
+
+@compiled
+def unbow(p, reading):
+    """Return the position that a bowed linkage indicates so, by iteration from the reading. [m]"""
+    if p.linkage_bow == 0.0 and p.linkage_skew == 0.0:
+        return reading
+    position = reading
+    for _ in range(60):
+        change = reading - bow(p, position)
+        position += change
+        if abs(change) < 1e-15:
+            break
+    return position
+
+
+@compiled
+def follow_stem(p, state, before, after, duration):
+    """Follow a stem that moves one way from one position to another within a duration."""
+    low, high = after - p.backlash_half_width, after + p.backlash_half_width
+    was = state.linkage
+    state.linkage = min(max(was, low), high)
+    if p.sensor_time_constant > 0.0 and duration > 0.0:
+        start, end = bow(p, was), bow(p, state.linkage)
+        slope = (end - start) / duration
+        behind = slope * p.sensor_time_constant
+        decay = math.exp(-duration / p.sensor_time_constant)
+        state.lagged_reading = end - behind + (state.lagged_reading - start + behind) * decay
+
+
+@compiled
+def read_sensor(p, state, time):
+    """Return the reading at an instant. [m]"""
+    reading = state.lagged_reading if p.sensor_time_constant > 0.0 else bow(p, state.linkage)
+    reading += p.sensor_drift_rate * time
+    if p.resolution > 0.0:
+        steps = math.floor((reading - p.resolution_offset) / p.resolution + 0.5)
+        reading = p.resolution_offset + p.resolution * steps
+    return reading
+
+
+@compiled
+def rest_sensor(p, state):
+    """Put the sensor at rest on the stem, in the middle of its play."""
+    state.linkage = state.position
+    state.lagged_reading = bow(p, state.linkage)
