@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 
 from derivations.verdict import VERDICT_KINDS, Verdict
 
@@ -13,10 +14,16 @@ __all__ = ["Verdict", "latex", "render", "verdict_kinds", "verdicts"]
 
 def verdicts() -> list[Verdict]:
     """Derive every equation again and return what was found, in the order of the paper."""
+    return list(_verdicts())
+
+
+@cache
+def _verdicts() -> tuple[Verdict, ...]:
+    # Some seconds of algebra; the paper does not change while a program runs.
     from derivations.checks import all_verdicts
     from derivations.paper import PAPER
 
-    return all_verdicts(PAPER)
+    return tuple(all_verdicts(PAPER))
 
 
 def render() -> dict[str, str]:

@@ -19,13 +19,12 @@ _ESCAPES = {
     "~": r"\textasciitilde{}",
     "<": r"\textless{}",
     ">": r"\textgreater{}",
-    "*": r"{\,}",
 }
 
 
 def escaped(text: str) -> str:
     """Return text that LaTeX prints as it stands."""
-    return "".join(_ESCAPES.get(letter, letter) for letter in text)
+    return "".join(_ESCAPES.get(letter, letter) for letter in text.replace("**", "^"))
 
 
 def document(findings: Iterable[Verdict]) -> str:

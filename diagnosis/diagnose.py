@@ -13,7 +13,7 @@ import numpy as np
 from diagnosis.holdout import Holdout, hold_out
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
-from diagnosis.score import Score, closed_interval, closed_share, score_fit, score_simulated
+from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, select, workers
 from identification.experiment import Experiment, simulate_rows
 from identification.fit import Fit, finished, fit_base, measured
@@ -21,6 +21,7 @@ from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
 from identification.search import descend
 from identification.timing import experiments_of
 from identification.uncertainty import estimates
+from valvemodel import chain
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.files import make_folder, write_json
@@ -31,6 +32,9 @@ SCHEMA = "valvemodel.diagnosis/1"
 
 NAMED_FROM = 0.5
 """Probability of a cause together with those it cannot be told from, from which it is named."""
+
+YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured position every 2 s"}
+"""How the gap is measured: where slips stick, a free run loses their phase even if the model is right."""
 
 SHOWN_CAUSES = 12
 """Causes that are listed; the probabilities of the others are added to the last but one."""
@@ -44,7 +48,7 @@ class Cause:
 
     effects: tuple[str, ...]
     probability: float
-    score: Score
+    errors: Errors
     parameters: dict[str, dict[str, dict[str, Any]]]
     closed: float | None
     closed_interval: tuple[float, float] | None
@@ -61,9 +65,10 @@ class Diagnosis:
     regimes: list[Regime]
     causes: list[Cause]
     unknown_probability: float
-    as_given: Score
-    refitted: Score
+    as_given: Errors
+    refitted: Errors
     floor: float
+    yardstick: str
     holdout: Holdout
     given: Model
     base: Fit
@@ -92,7 +97,7 @@ class Diagnosis:
                     "effects": list(cause.effects),
                     "probability": cause.probability,
                     "parameters": cause.parameters,
-                    "gap_after": cause.score.rms,
+                    "gap_after": cause.errors.rms,
                     "gap_closed": cause.closed,
                     "gap_closed_interval": None if cause.closed_interval is None else list(cause.closed_interval),
                     "indistinguishable_from": [list(rival) for rival in cause.rivals],
@@ -104,9 +109,10 @@ class Diagnosis:
                 "unit": "m",
                 "as_given": self.as_given.rms,
                 "refitted": self.refitted.rms,
-                "with_cause": self.cause.score.rms,
+                "with_cause": self.cause.errors.rms,
                 "noise_floor": self.floor,
                 "scored_on": self.holdout.scored_on,
+                "yardstick": YARDSTICKS[self.yardstick],
             },
             "base": {"name": self.base.model.name, "file": "base.json"},
             "records": [experiment.name for experiment in self.experiments],
@@ -164,15 +170,17 @@ def diagnose(
     holdout = hold_out(experiments)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    given = score_model(model, holdout)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
         candidates = select(first, holdout, pool, progress)
-    floor = min(holdout.noise, min(each.score.rms for each in candidates))
-    judgement = judge(candidates, floor)
-    causes = causes_of(candidates, judgement, floor)
+    floors = floors_of(candidates, holdout)
+    judgement = judge(candidates, floors)
+    yardstick = yardstick_of(candidates[int(np.argmax(judgement.probabilities))], first, floors)
+    floor = floors[0] if yardstick == "free" else floors[1]
+    causes = causes_of(candidates, judgement, floor, yardstick)
     verdict = verdict_of(causes, judgement)
     shown = next(each for each in candidates if each.effects == causes[0].effects)
+    as_given = errors_as_given(model, holdout, yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
@@ -191,22 +199,39 @@ def diagnose(
         regimes=regimes,
         causes=causes,
         unknown_probability=judgement.unknown,
-        as_given=given,
-        refitted=first.score,
+        as_given=as_given,
+        refitted=getattr(first.score, yardstick),
         floor=floor,
+        yardstick=yardstick,
         holdout=holdout,
         given=model,
         base=whole_base,
         found=whole,
-        steps=steps_of(given, candidates, shown, floor),
+        steps=steps_of(as_given, candidates, shown, floor, yardstick),
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
     )
 
 
-def score_model(model: Model, holdout: Holdout) -> Score:
+def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:
+    """Return the noise floor of the free and of the re-anchored run: the noise of the readings, or the best fit's error."""
+    free = min(each.score.free.rms for each in candidates)
+    anchored = min(each.score.anchored.rms for each in candidates)
+    return min(holdout.noise, free), min(holdout.noise, anchored)
+
+
+def yardstick_of(likely: Candidate, base: Candidate, floors: tuple[float, float]) -> str:
+    """Return how the gap is measured: re-anchored where slips that stick are likely and a free run loses them."""
+    if not any(effect_of_key(key).is_jagged for key in likely.effects):
+        return "free"
+    free = closed_share(base.score.free.rms, likely.score.free.rms, floors[0]) or 0.0
+    anchored = closed_share(base.score.anchored.rms, likely.score.anchored.rms, floors[1]) or 0.0
+    return "anchored" if anchored > free else "free"
+
+
+def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
     """Score a model as it is given, started at the first readings."""
-    return score_simulated(
+    return errors_of(
         holdout,
         [
             simulate_rows(
@@ -214,6 +239,7 @@ def score_model(model: Model, holdout: Holdout) -> Score:
                 model.rows(start_position=experiment.first_reading),
                 substep=SEARCH_SUBSTEP,
                 tolerance=SEARCH_TOLERANCE,
+                anchors=experiment.anchors if yardstick == "anchored" else chain.FREE,
                 with_pressure=True,
             )
             for experiment in holdout.scored_experiments
@@ -221,7 +247,9 @@ def score_model(model: Model, holdout: Holdout) -> Score:
     )
 
 
-def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float) -> list[Cause]:
+def causes_of(
+    candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str
+) -> list[Cause]:
     """Return the causes, the most probable first; what is not listed is shared out among those listed."""
     order = sorted(range(len(candidates)), key=lambda number: (-judgement.probabilities[number], number))
     listed = order[:SHOWN_CAUSES]
@@ -229,18 +257,19 @@ def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: floa
         listed.append(0)
     share = judgement.probabilities[listed].sum()
     scale = (1.0 - judgement.unknown) / share if share > 0.0 else 0.0
-    base = candidates[0].score
+    base: Errors = getattr(candidates[0].score, yardstick)
     causes = []
     for number in listed:
         candidate = candidates[number]
+        errors: Errors = getattr(candidate.score, yardstick)
         causes.append(
             Cause(
                 effects=candidate.effects,
                 probability=float(judgement.probabilities[number] * scale),
-                score=candidate.score,
+                errors=errors,
                 parameters=plain_parameters(candidate.fit),
-                closed=closed_share(base.rms, candidate.score.rms, floor),
-                closed_interval=closed_interval(base, candidate.score, floor),
+                closed=closed_share(base.rms, errors.rms, floor),
+                closed_interval=closed_interval(base, errors, floor),
                 rivals=rivals_of(number, candidates, judgement),
             )
         )
@@ -285,9 +314,7 @@ def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
     ]
     unknowns = [unknown for unknown, _ in [*shared, *starts]]
     point = np.array([x for _, x in [*shared, *starts]])
-    problem = replace(
-        fit.problem, experiments=experiments, unknowns=unknowns, used=measured(experiments), anchors=()
-    )
+    problem = replace(fit.problem, experiments=experiments, unknowns=unknowns, used=measured(experiments))
     return finished(problem, descend(problem, point, evaluations=15, precision=1e-7))
 
 
@@ -311,13 +338,18 @@ def stages_of(causes: Sequence[Cause], unknown: float) -> dict[str, float]:
 
 
 def steps_of(
-    given: Score, candidates: Sequence[Candidate], shown: Candidate, floor: float
+    given: Errors, candidates: Sequence[Candidate], shown: Candidate, floor: float, yardstick: str
 ) -> list[tuple[str, float]]:
     """Return the gap step by step: as given, base refitted, each effect added, noise floor. [m]"""
-    steps = [("as given", given.rms), ("base refitted", candidates[0].score.rms)]
+
+    def rms(candidate: Candidate) -> float:
+        errors: Errors = getattr(candidate.score, yardstick)
+        return errors.rms
+
+    steps = [("as given", given.rms), ("base refitted", rms(candidates[0]))]
     for count in range(1, len(shown.effects) + 1):
         part = shown.effects[:count]
         for candidate in candidates:
             if candidate.effects == part:
-                steps.append((f"+ {effect_of_key(part[-1]).title}", candidate.score.rms))
+                steps.append((f"+ {effect_of_key(part[-1]).title}", rms(candidate)))
     return [*steps, ("noise floor", floor)]

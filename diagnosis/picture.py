@@ -17,8 +17,8 @@ def evidence_of(diagnosis: Diagnosis) -> Evidence:
     """Return what the pictures of a diagnosis show."""
     ranking = []
     for cause in diagnosis.causes:
-        rms = cause.score.rms
-        half = 1.96 * rms * math.sqrt(0.5 * cause.score.persistence / cause.score.counts.sum())
+        rms = cause.errors.rms
+        half = 1.96 * rms * math.sqrt(0.5 * cause.errors.persistence / cause.errors.counts.sum())
         label = " + ".join(effect_of_key(key).title for key in cause.effects) or "none: base refitted"
         ranking.append(Rank(label, cause.effects, rms, max(rms - half, 0.0), rms + half, cause.probability))
     return Evidence(

@@ -1,4 +1,4 @@
-"""Scores: how far a fitted model is from data that it has not seen, block by block."""
+"""Scores: how far a fitted model is from data that it has not seen, block by block, running free and re-anchored."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ RESAMPLES = 1000
 """Resamples of the block bootstrap."""
 
 
-@dataclass(frozen=True)
-class Score:
-    """Squared errors of one model on the scored samples, summed by block.
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Squared errors of one run on the scored samples, summed by block.
 
     Attributes
     ----------
@@ -27,13 +27,16 @@ class Score:
         Of position and pressure, in units of the noise.
     counts : array, shape (blocks,)
         Samples of position.
+    signals : int
+        Signals that are scored: position, and pressure where it was measured.
     persistence : float
-        Sum of the autocorrelation of the weighted position error: samples that count as one.
+        Samples that count as one: twice the sum of the error's autocorrelation, and 1.
     """
 
     squares: np.ndarray
     weighted: np.ndarray
     counts: np.ndarray
+    signals: int
     persistence: float
 
     @property
@@ -41,15 +44,38 @@ class Score:
         """Root of the mean squared error of the position. [m]"""
         return float(np.sqrt(self.squares.sum() / self.counts.sum()))
 
+    @property
+    def mean(self) -> float:
+        """Mean weighted square: 1 where the noise is reached."""
+        return float(self.weighted.sum() / (self.counts.sum() * self.signals))
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Errors of one model on unseen samples by two yardsticks: the free run, and the run re-anchored every so often."""
+
+    free: Errors
+    anchored: Errors
+
+    @property
+    def misfit(self) -> float:
+        """Geometric mean of the two mean weighted squares: 1 where the noise is reached."""
+        return float(np.sqrt(self.free.mean * self.anchored.mean))
+
 
 def score_fit(fit: Fit, holdout: Holdout) -> Score:
     """Score a fit on the samples that were kept back."""
-    simulated = [fit.simulated_on(experiment) for experiment in holdout.scored_experiments]
-    return score_simulated(holdout, simulated)
+    free, anchored = (
+        errors_of(
+            holdout, [fit.simulated_on(each, is_anchored=is_anchored) for each in holdout.scored_experiments]
+        )
+        for is_anchored in (False, True)
+    )
+    return Score(free, anchored)
 
 
-def score_simulated(holdout: Holdout, simulated: Sequence[Simulated]) -> Score:
-    """Score simulated positions and pressures, one row each, on the samples that were kept back."""
+def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
+    """Compare simulated positions and pressures, one row each, with the samples that were kept back."""
     squares, weighted, counts, persistence = [], [], [], [1.0]
     for experiment, one, mask in zip(holdout.scored_experiments, simulated, holdout.scored, strict=True):
         error = np.where(mask, experiment.position - one.position[0], 0.0)
@@ -65,7 +91,10 @@ def score_simulated(holdout: Holdout, simulated: Sequence[Simulated]) -> Score:
         weighted.append(total)
         counts.append(np.bincount(experiment.block, mask, last)[blocks])
         persistence.append(persistence_of(error[mask]))
-    return Score(np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), max(persistence))
+    signals = 1 if holdout.scored_experiments[0].pressure is None else 2
+    return Errors(
+        np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), signals, max(persistence)
+    )
 
 
 def persistence_of(error: np.ndarray) -> float:
@@ -91,15 +120,15 @@ def closed_share(refitted: float, after: float, floor: float) -> float | None:
     return (refitted - after) / reducible if reducible > 0.0 else None
 
 
-def closed_interval(base: Score, with_cause: Score, floor: float, *, seed: int = 0) -> tuple[float, float] | None:
+def closed_interval(base: Errors, after: Errors, floor: float, *, seed: int = 0) -> tuple[float, float] | None:
     """Return the 95 % interval of the share closed, by resampling the scored blocks."""
     draws = np.random.default_rng(seed).integers(0, len(base.squares), (RESAMPLES, len(base.squares)))
     counts = base.counts[draws].sum(axis=1)
     refitted = np.sqrt(base.squares[draws].sum(axis=1) / counts)
-    after = np.sqrt(with_cause.squares[draws].sum(axis=1) / counts)
+    left = np.sqrt(after.squares[draws].sum(axis=1) / counts)
     reducible = refitted - floor
     usable = reducible > 0.02 * floor
     if usable.mean() < 0.5:
         return None
-    low, high = np.quantile(((refitted - after) / np.where(usable, reducible, 1.0))[usable], [0.025, 0.975])
+    low, high = np.quantile(((refitted - left) / np.where(usable, reducible, 1.0))[usable], [0.025, 0.975])
     return float(low), float(high)

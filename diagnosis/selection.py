@@ -28,6 +28,15 @@ MOST_EFFECTS = 3
 GOOD_ENOUGH = 1.06
 """Mean weighted square at which the noise is reached and no further effect is looked for."""
 
+FORM_SHARE = 0.2
+"""Share of the base's error, in root mean square, that the right effect may leave for being of another form than ours."""
+
+NEAR_THE_BEST = 1.6
+"""Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
+
+WORTH_ANOTHER = 0.15
+"""Share by which one more effect must lower the error for yet another to be looked for."""
+
 Progress = Callable[[str, float], None]
 
 
@@ -64,50 +73,52 @@ def try_effect(fit: Fit, effects: tuple[str, ...], holdout: Holdout) -> Candidat
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        import time; t0=time.process_time()
         extended = extend(fit, effects[-1])
-        import os,time
-        if os.environ.get("VM_T"): print(effects, round(time.process_time()-t0,2), extended.problem.__class__.__name__, flush=True)
         return Candidate(effects, extended, score_fit(extended, holdout))
 
 
 def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: Progress) -> list[Candidate]:
-    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
+    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
+
+    The effects that need a global search come last, and only where no other one explains the gap.
+    """
     tried = [base]
-    keys = sorted((effect.key for effect in EFFECTS), key=lambda key: not effect_of_key(key).is_jagged)
-    tried += try_all([(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
+    for is_jagged in (False, True):
+        keys = [effect.key for effect in EFFECTS if effect.is_jagged == is_jagged]
+        if is_jagged and any(explains(each, base) for each in tried):
+            break
+        tried += try_all([(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
     for size in range(2, MOST_EFFECTS + 1):
-        leaders = sorted((each for each in tried if len(each.effects) == size - 1), key=total)[:LEADERS]
-        leaders = [leader for leader in leaders if is_worth_more(leader, leaders[0])]
-        work = []
+        order = sorted((each for each in tried if len(each.effects) == size - 1), key=misfit)
+        leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+        if explains(min(tried, key=misfit), base):
+            break
+        work: list[tuple[Fit, tuple[str, ...]]] = []
         for leader in leaders:
             for key in shortlist(leader.fit):
                 effects = (*leader.effects, key)
                 if not any(set(effects) == set(other) for _, other in work):
                     work.append((leader.fit, effects))
-        if not work:
-            break
         tried += try_all(work, holdout, pool, progress, f"{size} effects together")
-        best_before = total(leaders[0])
-        if min(total(each) for each in tried if len(each.effects) == size) > 0.9 * best_before:
+        best = min((each for each in tried if len(each.effects) == size), key=misfit)
+        if misfit(best) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
 
 
-def total(candidate: Candidate) -> float:
-    """Return the weighted squared error on unseen data."""
-    return float(candidate.score.weighted.sum())
+def misfit(candidate: Candidate) -> float:
+    """Return how far a cause is from unseen data: 1 where the noise is reached."""
+    return candidate.score.misfit
 
 
-def is_worth_more(leader: Candidate, first: Candidate) -> bool:
-    """Return whether a cause leaves enough over to look for one more effect, and is near enough to the best."""
-    mean = total(leader) / leader.score.counts.sum()
-    return mean > GOOD_ENOUGH * signals(leader) and total(leader) < 4.0 * total(first)
+def explains(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause leaves so little that no further effect is looked for.
 
-
-def signals(candidate: Candidate) -> int:
-    """Return how many signals are scored: position, and pressure where it was measured."""
-    return 1 if candidate.fit.problem.experiments[0].pressure is None else 2
+    Either the noise is reached, or what is left is a small part of what the base left: as much as the right effect
+    leaves when it has another form than ours.
+    """
+    left, before = misfit(candidate) - 1.0, misfit(base) - 1.0
+    return misfit(candidate) < GOOD_ENOUGH or left < FORM_SHARE**2 * before
 
 
 def shortlist(fit: Fit) -> list[str]:

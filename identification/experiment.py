@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,6 +17,12 @@ SETTLING_TIME = 5.0
 
 BLOCK_TIME = 3.0
 """Length of the blocks in time that are fitted or held out. [s]"""
+
+ANCHOR_INTERVAL = 2.0
+"""Usual time between two anchors. [s]"""
+
+ANCHOR_REACH = 3
+"""Readings on either side that an anchor is the mean of."""
 
 LOOP_NOISE = 0.002
 """Noise of a settled loop, which has no neighbours in time to take it from, over its range."""
@@ -52,6 +59,31 @@ class Experiment:
     noise: float
     pressure_noise: float
     block: np.ndarray
+
+    @cached_property
+    def anchors(self) -> np.ndarray:
+        """Readings at quiet instants some seconds apart, each the mean of a few, NaN elsewhere, shape (n,). [m]
+
+        A run that is put anew there is judged by what it predicts over a short horizon: stick-slip loses its phase in a
+        free run even where the model is right.
+        """
+        anchors = np.full(len(self.time), np.nan)
+        width = 2 * ANCHOR_REACH + 1
+        if len(anchors) <= width:
+            return anchors
+        windows = np.lib.stride_tricks.sliding_window_view(self.position, width)
+        spread = np.full(len(anchors), np.inf)
+        spread[ANCHOR_REACH:-ANCHOR_REACH] = windows.std(axis=1)
+        spread[~np.isfinite(spread)] = np.inf
+        for number in range(1, int(self.time[-1] / ANCHOR_INTERVAL)):
+            middle = number * ANCHOR_INTERVAL
+            first, last = np.searchsorted(self.time, [middle - 0.4 * ANCHOR_INTERVAL, middle + 0.4 * ANCHOR_INTERVAL])
+            if last <= first:
+                continue
+            quietest = first + int(np.argmin(spread[first:last]))
+            if spread[quietest] < 2.0 * self.noise:
+                anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
+        return anchors
 
     @property
     def first_reading(self) -> float:

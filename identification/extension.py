@@ -9,7 +9,7 @@ import numpy as np
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.search import Found, descend, roam
+from identification.search import Found, descend, errors, roam
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -21,7 +21,7 @@ WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
 SEARCH_SIZE = 3
-SEARCH_GENERATIONS = 60
+SEARCH_GENERATIONS = 70
 """Points of a global search for each unknown, and generations."""
 
 
@@ -66,7 +66,8 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     """Search globally where the error has many minima.
 
     The fit's unknowns move along the principal directions of their Jacobian, each by up to twice what changes the
-    residual as much as it is large; the effect's parameters move between the outermost of neutral and starts.
+    residual as much as it is large; the effect's parameters move between the outermost of neutral and starts. One
+    search looks at the re-anchored run, one at the free run; the point that does best by both together wins.
     """
     problem, centre = trials[0].problem, fit.found.point
     known, added = len(centre), len(problem.unknowns) - len(centre)
@@ -79,8 +80,17 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     neutral = [unknown.scaled(effect.parameter(unknown.name).neutral) for unknown in problem.unknowns[known:]]
     corners = np.vstack([neutral, *[trial.point[known:] for trial in trials]])
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
-    best = roam(problem, origin, shape, box, size=SEARCH_SIZE, generations=SEARCH_GENERATIONS)
-    return problem, best
+    yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
+    found = []
+    for each in yardsticks:
+        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=SEARCH_GENERATIONS)
+        found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
+
+    def misfit(point: np.ndarray) -> float:
+        return float(np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
+
+    point = min(found, key=misfit)
+    return problem, Found(point, float(errors(problem, point[None, :])[0]))
 
 
 def screened(fit: Fit, effect: Effect) -> list[Trial]:
@@ -111,6 +121,7 @@ def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str,
     extended = replace(
         problem,
         model=problem.model.with_effect(effect.key, **start),
+        is_anchored=problem.is_anchored or effect.is_chaotic,
         unknowns=[*problem.unknowns, *added],
     )
     scaled = np.array([unknown.scaled(start[unknown.name]) for unknown in added])

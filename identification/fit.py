@@ -11,6 +11,7 @@ from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
 from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
+from valvemodel import chain
 from valvemodel.model import Model
 
 Masks = Sequence[np.ndarray]
@@ -30,8 +31,11 @@ class Fit:
         """The unknowns of the fit, in the order of the point."""
         return self.problem.unknowns
 
-    def simulated_on(self, experiment: Experiment) -> Simulated:
-        """Run the fitted model over an experiment; one that was not fitted starts at its first readings."""
+    def simulated_on(self, experiment: Experiment, *, is_anchored: bool = False) -> Simulated:
+        """Run the fitted model over an experiment, free or re-anchored on its readings.
+
+        An experiment that was not fitted starts at its first readings.
+        """
         numbers = [number for number, each in enumerate(self.problem.experiments) if each is experiment]
         start = self.starts[numbers[0]] if numbers else experiment.first_reading
         return simulate_rows(
@@ -39,6 +43,7 @@ class Fit:
             self.model.rows(start_position=start),
             substep=SEARCH_SUBSTEP,
             tolerance=SEARCH_TOLERANCE,
+            anchors=experiment.anchors if is_anchored else chain.FREE,
             with_pressure=True,
         )
 

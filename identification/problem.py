@@ -32,21 +32,19 @@ class Problem:
     unknowns : sequence of Unknown
     used : sequence of arrays of bool, each of shape (n,)
         Which samples of each experiment count.
-    anchors : sequence of arrays
-        Readings at which each run is put anew; shape (0,) runs free.
+    is_anchored : bool
+        Whether each run is put anew on its experiment's anchors, else it runs free.
     """
 
     model: Model
     experiments: Sequence[Experiment]
     unknowns: Sequence[Unknown]
     used: Sequence[np.ndarray]
-    anchors: Sequence[np.ndarray] = ()
+    is_anchored: bool = False
     _rows: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_rows", self.model.rows())
-        if not self.anchors:
-            object.__setattr__(self, "anchors", tuple(chain.FREE for _ in self.experiments))
 
     def rows(self, points: np.ndarray, experiment: int) -> np.ndarray:
         """Return the rows of numbers at scaled points, shape (p, unknowns), for one experiment."""
@@ -75,7 +73,7 @@ class Problem:
                 self.rows(points, number),
                 substep=SEARCH_SUBSTEP,
                 tolerance=SEARCH_TOLERANCE,
-                anchors=self.anchors[number],
+                anchors=experiment.anchors if self.is_anchored else chain.FREE,
                 with_pressure=experiment.pressure is not None,
             )
             parts.append((experiment.position[used] - simulated.position[:, used]) / experiment.noise)

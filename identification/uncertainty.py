@@ -11,7 +11,7 @@ from identification.experiment import Experiment
 from identification.fit import Fit
 
 UNDETERMINED_SHARE = 0.5
-"""A parameter whose standard deviation exceeds this share of its prior's is not determined by the record."""
+"""A parameter that the record narrows to no less than this share of its prior is not determined by it."""
 
 AT_BOUND = 1e-3
 """Scaled distance within which a parameter is at its bound."""
@@ -37,14 +37,16 @@ def estimates(fit: Fit) -> list[Estimate]:
     jacobian = fit.problem.jacobian(fit.found.point)
     residual = fit.problem.residuals(fit.found.point[None, :])[0]
     spread = np.sqrt(np.diag(covariance(jacobian, residual, blocks_of(fit))))
+    with_prior = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)))
     found = []
-    for unknown, x, deviation in zip(fit.unknowns, fit.found.point, spread, strict=True):
+    for unknown, x, deviation, left_open in zip(fit.unknowns, fit.found.point, spread, with_prior, strict=True):
         if unknown.experiment >= 0:
             continue
         value = float(unknown.value(x))
         low, high = unknown.bounds
         is_at_bound = bool(min(x - low, high - x) < AT_BOUND)
-        is_determined = deviation < UNDETERMINED_SHARE * unknown.prior_spread or not unknown.is_logarithmic
+        widest = UNDETERMINED_SHARE * unknown.prior_spread
+        is_determined = left_open < widest and (deviation < widest or not unknown.is_logarithmic)
         std = float(deviation * unknown.slope(value)) if is_determined and not is_at_bound else None
         found.append(Estimate(unknown.name, value, unknown.unit, std, is_at_bound))
     return found
@@ -95,10 +97,10 @@ def signals_of(experiment: Experiment) -> int:
     return 1 if experiment.pressure is None else 2
 
 
-def rms_of(fits: Fit, experiments: Sequence[Experiment], masks: Sequence[np.ndarray]) -> float:
+def rms_of(fit: Fit, experiments: Sequence[Experiment], masks: Sequence[np.ndarray]) -> float:
     """Return the root mean square of measured less simulated position on masks of samples. [m]"""
     errors = [
-        (experiment.position - fits.simulated_on(experiment).position[0])[mask]
+        (experiment.position - fit.simulated_on(experiment).position[0])[mask]
         for experiment, mask in zip(experiments, masks, strict=True)
     ]
     return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))

@@ -1,0 +1,64 @@
+"""What happens in time? A control valve from current to position, simulated exactly; its public door.
+
+Names are loaded when they are first used, so that `import valvemodel` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from valvemodel.declarations import Effect, Parameter
+    from valvemodel.effects import effect_of_key
+    from valvemodel.errors import InputError
+    from valvemodel.model import Model, read_model
+    from valvemodel.records import Record, read_record, write_table
+    from valvemodel.simulation import Trajectory, simulate
+    from valvemodel.valves import Valve, plausibility, read_valve, valve_names
+
+_HOMES = {
+    "Effect": "valvemodel.declarations",
+    "InputError": "valvemodel.errors",
+    "Model": "valvemodel.model",
+    "Parameter": "valvemodel.declarations",
+    "Record": "valvemodel.records",
+    "Trajectory": "valvemodel.simulation",
+    "Valve": "valvemodel.valves",
+    "effect_of_key": "valvemodel.effects",
+    "plausibility": "valvemodel.valves",
+    "read_model": "valvemodel.model",
+    "read_record": "valvemodel.records",
+    "read_valve": "valvemodel.valves",
+    "simulate": "valvemodel.simulation",
+    "valve_names": "valvemodel.valves",
+    "write_table": "valvemodel.records",
+}
+
+__all__ = [
+    "Effect",
+    "InputError",
+    "Model",
+    "Parameter",
+    "Record",
+    "Trajectory",
+    "Valve",
+    "effect_of_key",
+    "plausibility",
+    "read_model",
+    "read_record",
+    "read_valve",
+    "simulate",
+    "valve_names",
+    "write_table",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'valvemodel' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -9,7 +9,7 @@ import numpy as np
 from valvemodel.compiled import compiled
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
-from valvemodel.stages.sensor import follow_stem, read_sensor, rest_sensor, unbow
+from valvemodel.stages.sensor import bow, follow_stem, read_sensor, rest_sensor, sensor_drift, unbow
 from valvemodel.stages.stem import (
     STOP_SPEED, STUCK, advance_stem, put_stem, rest_stem,
 )  # fmt: skip
@@ -50,7 +50,7 @@ def start_chain(p, state, drive, driven_by, time):
         rest_stem(p, state, state.pressure, time)
         put_stem(p, state, state.position, state.pressure, time)
     else:
-        put_stem(p, state, unbow(p, p.start_position - p.sensor_drift_rate * time), state.pressure, time)
+        put_stem(p, state, unbow(p, p.start_position - sensor_drift(p, time)), state.pressure, time)
     rest_sensor(p, state)
 
 
@@ -114,6 +114,15 @@ def hold_period(p, state, time, drive, period, driven_by, substep, tolerance):
 
 
 @compiled
+def anchor_stem(p, state, reading, time):
+    """Shift stem and linkage to a reading; motion, play and friction stay as they are."""
+    shift = unbow(p, reading - sensor_drift(p, time)) - state.linkage
+    state.position += shift
+    state.linkage += shift
+    state.lagged_reading = bow(p, state.linkage)
+
+
+@compiled
 def mode_of(state):
     """Return the mode as a user sees it: a creep below the stop speed counts as stuck."""
     return STUCK if abs(state.velocity) < STOP_SPEED else math.copysign(1.0, state.velocity)
@@ -147,9 +156,7 @@ def run_chain(rows, states, time, drive, anchors, driven_by, substep, tolerance,
         start_chain(p, state, drive[0], driven_by, time[0])
         for sample in range(time.shape[0]):
             if anchors.shape[0] > 0 and not math.isnan(anchors[sample]):
-                reading = anchors[sample] - p.sensor_drift_rate * time[sample]
-                put_stem(p, state, unbow(p, reading), state.pressure, time[sample])
-                rest_sensor(p, state)
+                anchor_stem(p, state, anchors[sample], time[sample])
             readings[row, sample] = read_sensor(p, state, time[sample])
             if pressures.shape[0] > 0:
                 pressures[row, sample] = state.pressure

@@ -72,7 +72,7 @@ def found(
         printed if isinstance(printed, str) else label(printed),
         derived if isinstance(derived, str) else label(derived),
         tuple(steps),
-        AS_PRINTED if verdict == "holds" else right,
+        AS_PRINTED if verdict == "holds" else right or f"What follows is {derived}.",
         "" if isinstance(printed, str) else typeset(printed),
         "" if isinstance(derived, str) else typeset(derived),
     )

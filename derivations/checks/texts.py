@@ -137,6 +137,7 @@ def _scale(paper: Paper) -> Verdict:
     law = paper["31"].right.subs(symbol("nu"), exponent)
     rest = sp.simplify(law - law.subs(factor, 1).subs(current, factor * current))
     offset, gain = line_of_points(paper)
+    low, high = (1e3 * value for value in paper.sentences["sweep currents"])
     bends = {n: _curvature(paper, offset, gain, n) for n in paper.sentences["factors n"]}
     return found(
         "text-n",
@@ -147,7 +148,7 @@ def _scale(paper: Paper) -> Verdict:
             f"(31) at v = {exponent}: delta(i; n) - delta(n i; 1) = {label(rest)}",
             "so two values of n are one curve, read over two ranges of the current",
             *(
-                f"on a curve through the text's two points, {6 * n:g}..{20 * n:g} mA: largest distance "
+                f"on a curve through the text's two points, {low * n:g}..{high * n:g} mA: largest distance "
                 "from a straight "
                 f"line {100 * bend:.0f} % of the rise"
                 for n, bend in bends.items()

@@ -1,4 +1,4 @@
-"""The findings: each fact of the design's list against numbers from elsewhere, and each moves with the paper."""
+"""The findings: each fact of the design against numbers from elsewhere, and each moves with the paper."""
 
 from functools import cache
 
@@ -137,7 +137,7 @@ def test_a_root_over_all_in_8_holds():
 @pytest.mark.parametrize("equation", ["9", "10", "11", "15", "16"])
 def test_a_spoilt_nozzle_equation_is_found(equation):
     spoilt = PAPER.with_equation(equation, 2 * PAPER[equation].right)
-    assert _only(checks.nozzle, equation, spoilt)[0 if equation != "9" else 0] != "holds"
+    assert _only(checks.nozzle, equation, spoilt)[0] != "holds"
 
 
 @pytest.mark.parametrize("equation", ["19", "20", "25", "26"])

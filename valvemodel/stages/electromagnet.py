@@ -57,8 +57,8 @@ EFFECTS = (
         equation=r"\delta(t) = \delta_0 + r\,T\,(1 - e^{-t/T})",
         source="thermal expansion of the flapper mount, first-order warming",
         parameters=(
-            Parameter("gap_drift_rate", "m/s", "rate at the start", -1e-6, 1e-6, 0.0, (3e-8, -3e-8)),
-            Parameter("gap_drift_time", "s", "time constant of the warming", 20.0, 3000.0, 300.0, (100.0,), "log"),
+            Parameter("gap_drift_rate", "m/s", "rate at the start", -1e-5, 1e-5, 0.0, (3e-8, -3e-8)),
+            Parameter("gap_drift_time", "s", "time constant of the warming", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
         ),
         aliases=("sensor_drift", "load_force", "friction_drift"),
         told_apart_by="a measured pressure; or drift followed at low and high current, where the gap acts differently",

@@ -17,10 +17,11 @@ EFFECTS = (
         stage="nozzle",
         title="chamber filling",
         meaning="the flow through orifice and nozzle has to fill the chamber before the pressure is there",
-        equation=r"T\,\dot P / P_1 = \sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}",
-        source="paper eq. (15) with Q_b filling a volume",
+        equation=r"T\,(1 + g\,P/P_1)\,\dot P / P_1 = \sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}",
+        source="paper eq. (15) with Q_b filling a volume that grows with the pressure, as the diaphragm gives way",
         parameters=(
             Parameter("chamber_filling_time", "s", "time to fill to P1 at the full orifice flow", 0.0, 10.0, 0.0, (0.3, 1.5)),
+            Parameter("filling_growth", "1", "g: growth of that time from no pressure to P1", -0.95, 30.0, 0.0, (1.0,), typical=0.0),
         ),
         aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
         told_apart_by="a measured pressure; steps up and down at several levels",
@@ -190,7 +191,8 @@ def filling_rate(p, pressure, resting, gap, supply):
         departure = bounded - resting
     inflow = chamber_inflow(bounded, gap, supply, p.flow_ratio)
     at_rest = chamber_inflow(resting, gap, supply, p.flow_ratio)
-    return max(-(inflow - at_rest) * supply / (departure * p.chamber_filling_time), 1e-6)
+    filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * bounded / supply)
+    return max(-(inflow - at_rest) * supply / (departure * filling_time), 1e-6)
 
 
 @compiled

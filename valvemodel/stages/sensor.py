@@ -37,9 +37,12 @@ EFFECTS = (
         stage="sensor",
         title="sensor drift",
         meaning="the zero of the transmitter creeps",
-        equation=r"r = z + d\,t",
-        source="linear zero drift",
-        parameters=(Parameter("sensor_drift_rate", "m/s", "creep of the zero", -3e-4, 3e-4, 0.0, (1e-5, -1e-5)),),
+        equation=r"r = z + d\,T\,(1 - e^{-t/T})",
+        source="zero drift of a transmitter that warms up, first order",
+        parameters=(
+            Parameter("sensor_drift_rate", "m/s", "creep of the zero at the start", -3e-3, 3e-3, 0.0, (1e-5, -1e-5)),
+            Parameter("sensor_drift_time", "s", "time constant of the warming", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
+        ),
         aliases=("gap_drift", "load_force"),
         told_apart_by="a measured pressure, or a mechanical stop that is visited early and late",
     ),
@@ -113,10 +116,18 @@ def follow_stem(p, state, before, after, duration):
 
 
 @compiled
+def sensor_drift(p, time):
+    """Return how far the zero has crept. [m]"""
+    if p.sensor_drift_rate == 0.0:
+        return 0.0
+    return -p.sensor_drift_rate * p.sensor_drift_time * math.expm1(-time / p.sensor_drift_time)
+
+
+@compiled
 def read_sensor(p, state, time):
     """Return the reading at an instant. [m]"""
     reading = state.lagged_reading if p.sensor_time_constant > 0.0 else bow(p, state.linkage)
-    reading += p.sensor_drift_rate * time
+    reading += sensor_drift(p, time)
     if p.resolution > 0.0:
         steps = math.floor((reading - p.resolution_offset) / p.resolution + 0.5)
         reading = p.resolution_offset + p.resolution * steps

@@ -40,6 +40,7 @@ EFFECTS = (
             Parameter("stribeck_velocity", "m/s", "speed at which the drop has fallen to 1/e", 1e-4, 0.3, 5e-3, (5e-3, 1.5e-3, 1.5e-2, 5e-2), "log"),
         ),
         is_jagged=True,
+        is_chaotic=True,
         aliases=("static_friction",),
         told_apart_by="ramps at several slow speeds",
     ),
@@ -159,9 +160,12 @@ EFFECTS = (
         stage="stem",
         title="friction drift",
         meaning="friction grows over the record as the packing heats or dries",
-        equation=r"F_c\,(1 + r\,t)",
-        source="first-order term of packing wear and heating",
-        parameters=(Parameter("friction_drift_rate", "1/s", "r: share of friction over time", -0.006, 0.05, 0.0, (2e-3, -2e-3)),),
+        equation=r"F_c\,(1 + r\,T\,(1 - e^{-t/T}))",
+        source="packing that heats or dries, first order",
+        parameters=(
+            Parameter("friction_drift_rate", "1/s", "r: share of friction over time at the start", -0.05, 0.2, 0.0, (2e-3, -2e-3)),
+            Parameter("friction_drift_time", "s", "T: time constant", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
+        ),
         told_apart_by="the same slow stroke early and late",
     ),
 )
@@ -190,7 +194,8 @@ def sliding_friction(p, side, position, pressure, time):
     if p.friction_asymmetry != 0.0:
         friction *= 1.0 + p.friction_asymmetry * side
     if p.friction_drift_rate != 0.0:
-        friction *= max(1.0 + p.friction_drift_rate * time, 0.0)
+        grown = -p.friction_drift_rate * p.friction_drift_time * math.expm1(-time / p.friction_drift_time)
+        friction *= max(1.0 + grown, 0.0)
     if p.tight_spot_excess != 0.0:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         friction *= 1.0 + p.tight_spot_excess * math.exp(-distance * distance)

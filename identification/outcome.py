@@ -1,0 +1,291 @@
+"""What a fit comes to: parameters with uncertainty, errors on fitted and unseen data, what stays open."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from identification.experiment import Experiment
+from identification.extension import extend
+from identification.fit import Fit, Masks, finished, fit_base, measured
+from identification.search import descend
+from identification.timing import experiments_of
+from identification.uncertainty import Estimate, estimates, rms_of
+from identification.unknowns import start_unknown
+from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.effects import effect_of_key
+from valvemodel.errors import InputError
+from valvemodel.files import write_json
+from valvemodel.model import Model
+from valvemodel.records import Record
+
+SCHEMA = "valvemodel.fit/1"
+
+UNSEEN_EVERY = 3
+"""Every so many blocks in time one is kept back for the error on unseen data."""
+
+_STEM_ALONE = ("spring_rate", "spring_preload", "travel_min", "travel_max", "rated_travel")
+"""Base parameters that a force balance settles or does not need, fitted or not."""
+
+REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
+"""The last descent, over all data: it begins at the fit to a part of them and is short."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """All that `fit.json` and `model.json` hold, in SI units.
+
+    Attributes
+    ----------
+    parameters : tuple of Estimate
+        Those that were fitted.
+    model : Model or None
+        With them; None where they make no valve that physics allows.
+    rms_fitted, rms_unseen : float, float or None
+        Of the final fit on all data, and of a fit to a part of them on the rest; None where nothing could be
+        kept back. [unit]
+    unseen : str or None
+        What was kept back.
+    noise : float or None
+        Of the readings, estimated from themselves. [unit]
+    starts : dict of float
+        Fitted reading at the start of each record. [m]
+    open : dict of str
+        By parameter why the records do not determine it.
+    """
+
+    records: tuple[str, ...]
+    effects: tuple[str, ...]
+    parameters: tuple[Estimate, ...]
+    model: Model | None
+    unit: str
+    rms_fitted: float
+    rms_unseen: float | None
+    unseen: str | None
+    noise: float | None
+    starts: dict[str, float]
+    open: dict[str, str]
+    warnings: tuple[str, ...]
+    seconds: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the content of fit.json."""
+        return {
+            "schema": SCHEMA,
+            "parameters": {
+                each.name: {
+                    "value": each.value,
+                    "unit": each.unit,
+                    "std": each.std,
+                    "at_bound": each.is_at_bound,
+                }
+                for each in self.parameters
+            },
+            "rms": {"fitted": self.rms_fitted, "unseen": self.rms_unseen, "unit": self.unit},
+            "unseen": self.unseen,
+            "noise": {"value": self.noise, "unit": self.unit},
+            "effects": list(self.effects),
+            "not_determined": self.open,
+            "start_positions": {name: {"value": start, "unit": "m"} for name, start in self.starts.items()},
+            "records": list(self.records),
+            "warnings": list(self.warnings),
+            "seconds": self.seconds,
+        }
+
+    def write(self, folder: Path) -> dict[str, Path]:
+        """Write fit.json and, where there is a model, model.json; return their places by name."""
+        places = {"fit.json": folder / "fit.json"}
+        if self.model is not None:
+            places["model.json"] = folder / "model.json"
+            self.model.write(places["model.json"])
+        write_json(places["fit.json"], self.as_json())
+        return places
+
+
+def fit_records(
+    records: Sequence[Record],
+    model: Model,
+    *,
+    effects: Sequence[str] = (),
+    progress: Progress = lambda what, share: None,
+) -> Outcome:
+    """Fit a valve's free parameters, and those of effects, to its records.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Of one valve, all with current or all with force. With one, blocks in time are kept back for the error
+        on unseen data; with several, the last.
+    model : Model
+        The valve as given: where the search begins, and what gives the numbers that are not fitted.
+    effects : sequence of str
+        Keys of effects to switch on and fit, in this order.
+    progress : callable
+        Called with what is being done and a share of it from 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If an effect is unknown or given twice, or the records do not carry such a fit.
+    """
+    _check_effects(effects)
+    if all(record.kind == "stem" for record in records):
+        return _fit_stem_record(records, model, effects, progress)
+    began = time.perf_counter()
+    experiments, notes = experiments_of(records)
+    part, seen, rest, unseen, kept_back = _split(experiments)
+    progress("base valve", 0.0)
+    fit = fit_base(model, part, seen)
+    for number, key in enumerate(effects, 1):
+        progress(key, number / (len(effects) + 2))
+        fit = extend(fit, key)
+    progress("all data", 1.0 - 1.0 / (len(effects) + 2))
+    rms_unseen = rms_of(fit, rest, unseen) if kept_back else None
+    whole = fitted_to_all(fit, experiments)
+    found = tuple(estimates(whole))
+    return Outcome(
+        records=tuple(record.name for record in records),
+        effects=tuple(effects),
+        parameters=found,
+        model=replace(whole.model, name=_fitted_name(model, records)),
+        unit="m",
+        rms_fitted=rms_of(whole, experiments, measured(experiments)),
+        rms_unseen=rms_unseen,
+        unseen=kept_back,
+        noise=_noise(experiments),
+        starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
+        open=_open(found),
+        warnings=(*(warning for record in records for warning in record.warnings), *notes),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
+    """Fit the unknowns of a fit once more, to all that was measured, from where they are."""
+    pairs = list(zip(fit.unknowns, fit.found.point, strict=True))
+    kept = [pair for pair in pairs if pair[0].experiment < 0]
+    starts = {unknown.experiment: (unknown, x) for unknown, x in pairs if unknown.experiment >= 0}
+    for number, experiment in enumerate(experiments):
+        kept.append(starts.get(number) or (start_unknown(experiment.first_reading, number), 0.0))
+    problem = replace(
+        fit.problem,
+        experiments=experiments,
+        unknowns=[unknown for unknown, _ in kept],
+        used=measured(experiments),
+    )
+    point = np.array([x for _, x in kept])
+    return finished(
+        problem, descend(problem, point, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION)
+    )
+
+
+def _check_effects(effects: Sequence[str]) -> None:
+    for number, key in enumerate(effects):
+        effect_of_key(key)
+        if key in effects[:number]:
+            raise InputError("an effect is fitted once", f"{key} came twice", "name it once")
+
+
+def _split(
+    experiments: list[Experiment],
+) -> tuple[list[Experiment], Masks, list[Experiment], Masks, str | None]:
+    """Return what to fit with its masks, what to keep back with its masks, and that in words."""
+    everything = measured(experiments)
+    if len(experiments) > 1:
+        return experiments[:-1], everything[:-1], experiments[-1:], everything[-1:], "the last record"
+    is_kept = experiments[0].block % UNSEEN_EVERY == UNSEEN_EVERY - 1
+    unseen = everything[0] & is_kept
+    if not unseen.any():
+        return experiments, everything, [], [], None
+    words = f"every {UNSEEN_EVERY}rd block in time"
+    return experiments, [everything[0] & ~is_kept], experiments, [unseen], words
+
+
+def _noise(experiments: Sequence[Experiment]) -> float:
+    counts = np.array([np.isfinite(each.position).sum() for each in experiments], float)
+    squares = np.array([each.noise**2 for each in experiments])
+    return float(np.sqrt((squares * counts).sum() / counts.sum()))
+
+
+def _open(found: Sequence[Estimate]) -> dict[str, str]:
+    reasons = {True: "it ended at a bound of its search", False: "the records hardly depend on it"}
+    return {each.name: reasons[each.is_at_bound] for each in found if each.std is None}
+
+
+def _fitted_name(model: Model, records: Sequence[Record]) -> str:
+    return f"{model.name} fitted to {', '.join(record.name for record in records)}"
+
+
+def _fit_stem_record(
+    records: Sequence[Record], model: Model, effects: Sequence[str], progress: Progress
+) -> Outcome:
+    """Fit the stem alone, by its force balance, to one record of force and position."""
+    from identification.inverse_dynamics import fit_stem, prepare_signals
+    from identification.inverse_dynamics.fit import blocks_of, find_spring
+
+    if len(records) > 1:
+        raise InputError(
+            "a fit of the stem alone takes one record",
+            f"got {len(records)}",
+            "fit them one by one and compare the parameters",
+        )
+    began = time.perf_counter()
+    progress("force balance of the stem", 0.0)
+    record = records[0]
+    signals = prepare_signals(record)
+    has_spring = find_spring(signals) or "spring_hardening" in effects
+    seen = blocks_of(signals) % UNSEEN_EVERY != UNSEEN_EVERY - 1
+    part = fit_stem(signals, effects=effects, train=seen, has_spring=has_spring)
+    progress("all data", 0.5)
+    whole = fit_stem(signals, effects=effects, has_spring=has_spring)
+    found = tuple(
+        Estimate(name, each.value, each.unit, each.std, _is_at_bound(name, each.value, effects))
+        for name, each in whole.parameters.items()
+    )
+    others = [each.name for each in BASE_PARAMETERS if each.name not in {*whole.values, *_STEM_ALONE}]
+    notes = [
+        f"force and position alone say nothing of {', '.join(others)}: the model has those of {model.name}"
+    ]
+    if not has_spring:
+        notes.append("the force does not rise with the position: the model has no spring")
+    fitted: Model | None = None
+    try:
+        fitted = _stem_model(
+            model, record, whole.values, {key: list(own) for key, own in whole.by_effect().items()}
+        )
+    except InputError as error:
+        notes.append(f"no model.json: {error.rule}, and {error.arrived}")
+    return Outcome(
+        records=(record.name,),
+        effects=tuple(effects),
+        parameters=found,
+        model=fitted,
+        unit="N",
+        rms_fitted=whole.rms,
+        rms_unseen=part.held_out_rms,
+        unseen=f"every {UNSEEN_EVERY}rd block in time",
+        noise=None,
+        starts={},
+        open=_open(found),
+        warnings=(*record.warnings, *notes),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _stem_model(model: Model, record: Record, values: dict[str, float], own: dict[str, list[str]]) -> Model:
+    base = {each.name: values[each.name] for each in BASE_PARAMETERS if each.name in values}
+    effects = {key: {name: values[name] for name in names} for key, names in own.items()}
+    stem = {"spring_rate": 0.0, "spring_preload": 0.0, **base}
+    return Model(_fitted_name(model, [record]), {**model.values, **stem}, {**model.effects, **effects})
+
+
+def _is_at_bound(name: str, value: float, effects: Sequence[str]) -> bool:
+    declared = [*BASE_PARAMETERS, *(each for key in effects for each in effect_of_key(key).parameters)]
+    return any(each.name == name and not each.low < value < each.high for each in declared)

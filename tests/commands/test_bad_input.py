@@ -1,0 +1,139 @@
+"""Bad input ends with one clear message, exit status 2, and nothing written."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from valvemodel.commands import COMMANDS
+
+IN, OUT, DIR = "{record}", "out.csv", "out"
+
+BAD = [
+    ("unknown command", "simlate", "did you mean simulate?"),
+    ("unknown option", f"simulate --inputs {IN} --out {OUT}", "--input"),
+    ("no output", f"simulate --input {IN}", "--out"),
+    ("missing input", f"simulate --input nope.csv --out {OUT}", "nope.csv does not exist"),
+    ("folder as output", f"simulate --input {IN} --out .", "is a folder"),
+    ("no such folder", f"simulate --input {IN} --out nowhere/{OUT}", "nowhere is no folder"),
+    ("unknown valve", f"simulate --valve calibratd --input {IN} --out {OUT}", "did you mean calibrated?"),
+    (
+        "valve and model",
+        f"simulate --valve linear --model m.json --input {IN} --out {OUT}",
+        "exclude each other",
+    ),
+    ("missing model", f"simulate --model nope.json --input {IN} --out {OUT}", "nope.json"),
+    ("wrong schema", f"simulate --model other.json --input {IN} --out {OUT}", "valvemodel.model/1"),
+    ("not JSON", f"simulate --model {IN} --input {IN} --out {OUT}", "must be JSON"),
+    ("unknown effect", f"simulate --effect stribek --input {IN} --out {OUT}", "did you mean stribeck"),
+    ("unknown parameter", f"simulate --effect stribeck:ratio=2 --input {IN} --out {OUT}", "stribeck_ratio"),
+    (
+        "effect without value",
+        f"simulate --effect stribeck:stribeck_ratio --input {IN} --out {OUT}",
+        "name=value",
+    ),
+    (
+        "effect out of bounds",
+        f"simulate --effect stribeck:stribeck_ratio=99 --input {IN} --out {OUT}",
+        "1..3",
+    ),
+    ("effect twice", f"simulate --effect stribeck --effect stribeck --input {IN} --out {OUT}", "came twice"),
+    ("start without unit", f"simulate --start-position 28.15 --input {IN} --out {OUT}", "28.15 mm"),
+    (
+        "start in pascals",
+        f"simulate --start-position 28Pa --input {IN} --out {OUT}",
+        "unit of something else",
+    ),
+    ("no time", f"simulate --input loop.csv --out {OUT}", "time"),
+    ("wrong unit", f"simulate --input psi.csv --out {OUT}", "psi"),
+    ("no record", f"fit --out {DIR}", "RECORD"),
+    ("file as folder", f"fit {IN} --out other.json", "other.json is a file"),
+    ("folder under a file", f"diagnose {IN} --out other.json/report", "other.json is a file"),
+    ("unknown effect to fit", f"fit {IN} --effect stribek --out {DIR}", "did you mean stribeck"),
+    ("effect to fit twice", f"fit {IN} --effect stribeck --effect stribeck --out {DIR}", "came twice"),
+    ("record twice", f"diagnose {IN} {IN} --out {DIR}", "came twice"),
+    ("kinds mixed", f"diagnose {IN} stem.csv --out {DIR}", "have one kind"),
+    ("no position", f"diagnose input.csv --out {DIR}", "position"),
+    ("no jobs", f"diagnose {IN} --jobs 0 --out {DIR}", "--jobs"),
+    ("unknown effect to show", "effects stribek", "did you mean stribeck"),
+    ("unknown valve to show", "valves calibratd", "did you mean calibrated?"),
+]
+
+
+@pytest.fixture
+def files(tmp_path):
+    (tmp_path / "other.json").write_text(json.dumps({"schema": "valvemodel.diagnosis/1"}))
+    ramp = [(0.02 * k, 5.0 + 0.01 * k, 50.0 + 0.1 * k) for k in range(600)]
+    write = {
+        "loop.csv": ("current [mA],position [mm]", "{1},{2}"),
+        "psi.csv": ("time [s],current [psi]", "{0},{1}"),
+        "input.csv": ("time [s],current [mA]", "{0},{1}"),
+        "stem.csv": ("time [s],force [N],position [mm]", "{0},{1},{2}"),
+    }
+    for name, (header, row) in write.items():
+        (tmp_path / name).write_text("\n".join([header, *(row.format(*each) for each in ramp)]) + "\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize(("words", "expected"), [case[1:] for case in BAD], ids=[case[0] for case in BAD])
+def test_message_says_what_to_do(command, files, short_record, words, expected):
+    before = sorted(files.rglob("*"))
+    result = command(*(word.format(record=short_record) for word in words.split()))
+    assert result.exit_code == 2, result.output
+    assert expected in result.stderr
+    assert result.stdout == ""
+    assert "Traceback" not in result.output
+    assert sorted(files.rglob("*")) == before
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_has_an_example(command, name):
+    output = command(name, "--help").output
+    assert "Example" in output
+    assert f"valvemodel {name}" in output.split("Example")[1]
+
+
+def test_overall_help_lists_the_commands_with_an_example(command):
+    output = command("--help").output
+    assert "Example: valvemodel diagnose" in output
+    for name in COMMANDS:
+        assert f"  {name} " in output
+
+
+def test_version_is_that_of_the_package(command):
+    from importlib.metadata import version
+
+    assert command("--version").output == f"valvemodel {version('valvemodel')}\n"
+
+
+def test_old_output_stays_where_a_run_fails(command, files, short_record):
+    (files / "out.csv").write_text("old")
+    command("simulate", "--input", "psi.csv", "--out", "out.csv")
+    assert (files / "out.csv").read_text() == "old"
+
+
+def test_several_files_appear_together_or_not_at_all(tmp_path):
+    from valvemodel.commands.places import write_together
+
+    def fail(folder):
+        (folder / "one.json").write_text("{}")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_together(tmp_path / "a" / "b", fail)
+    assert list(tmp_path.iterdir()) == []
+
+    def succeed(folder):
+        (folder / "one.json").write_text("{}")
+        return {"one.json": folder / "one.json"}
+
+    places = write_together(tmp_path / "a" / "b", succeed)
+    assert places == {"one.json": tmp_path / "a" / "b" / "one.json"}
+    assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["one.json"]
+
+
+def test_reader_that_leaves_early_is_no_trouble():
+    program = f"{sys.executable} -m valvemodel effects --json | head -n 1"
+    done = subprocess.run(["bash", "-c", program], capture_output=True, text=True)
+    assert done.stderr == ""

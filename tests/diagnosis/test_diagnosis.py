@@ -1,0 +1,147 @@
+"""The diagnosis names what is in blind plants, says none where nothing is, and keeps its contract."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.diagnose import Diagnosis, diagnose
+from diagnosis.holdout import hold_out
+from diagnosis.regimes import masks_of, time_since_reversal
+from diagnosis.score import closed_share, persistence_of
+from identification.experiment import experiment_of
+from identification.timing import END_OF_PERIOD, answers_own_row
+from valvemodel.model import Model, read_model
+from valvemodel.records import Record
+from valvemodel.valves import read_valve
+
+
+def record_of_plant(seed: int, effects: tuple[str, ...], *, profile: int = 1000, **options: object) -> Record:
+    taken = measure(draw_plant(seed, effects), seed + profile, **options)
+    return Record.from_arrays(
+        name=f"plant {seed}",
+        time=taken["time"],
+        current=taken["current"],
+        position=taken["position"],
+        pressure=taken.get("pressure"),
+    )
+
+
+def calibrated() -> Model:
+    valve = read_valve("calibrated")
+    return Model(valve.name, valve.values)
+
+
+@pytest.fixture(scope="module")
+def viscous() -> Diagnosis:
+    return diagnose([record_of_plant(1, ("asymmetric_viscous_friction",))], calibrated(), jobs=2)
+
+
+def test_names_the_effect_of_a_blind_plant(viscous: Diagnosis) -> None:
+    assert viscous.verdict == "effect"
+    assert viscous.cause.effects == ("asymmetric_viscous_friction",)
+    assert viscous.cause.probability > 0.8
+    assert viscous.stage == "stem"
+    assert viscous.cause.closed is not None
+    assert viscous.cause.closed > 0.9
+
+
+def test_pressure_tells_the_stage() -> None:
+    found = diagnose([record_of_plant(2, ("transport_delay",), with_pressure=True)], calibrated(), jobs=2)
+    assert found.stage in ("nozzle", "electromagnet")
+    assert found.stage_probability["sensor"] < 0.05
+
+
+@pytest.mark.parametrize("seed", [501, 503])
+def test_says_none_where_nothing_is_missing(seed: int) -> None:
+    found = diagnose([record_of_plant(seed, ())], calibrated(), jobs=2)
+    assert found.verdict == "none"
+    assert found.cause.effects == ()
+    assert found.stage is None
+
+
+def test_scores_on_another_record() -> None:
+    records = [record_of_plant(1, ("end_stop",), profile=profile) for profile in (1000, 2000)]
+    found = diagnose(records, calibrated(), jobs=2)
+    assert found.cause.effects == ("end_stop",)
+    assert found.as_json()["gap"]["scored_on"] == "other records"
+
+
+def test_contract_of_the_json(viscous: Diagnosis) -> None:
+    content = json.loads(json.dumps(viscous.as_json(), allow_nan=False))
+    assert content["schema"] == "valvemodel.diagnosis/1"
+    total = content["unknown_probability"] + sum(cause["probability"] for cause in content["causes"])
+    assert total == pytest.approx(1.0)
+    probabilities = [cause["probability"] for cause in content["causes"]]
+    assert probabilities == sorted(probabilities, reverse=True)
+    assert any(cause["effects"] == [] for cause in content["causes"])
+    assert sum(content["where"]["stage_probability"].values()) <= 1.0 + 1e-9
+    gap, best = content["gap"], content["causes"][0]
+    assert gap["noise_floor"] <= gap["with_cause"] < gap["refitted"] < gap["as_given"]
+    assert best["gap_after"] == gap["with_cause"]
+    expected = (gap["refitted"] - best["gap_after"]) / (gap["refitted"] - gap["noise_floor"])
+    assert best["gap_closed"] == pytest.approx(expected)
+    low, high = best["gap_closed_interval"]
+    assert low <= best["gap_closed"] <= high
+    assert {"name", "where", "rms", "share"} <= set(content["where"]["regimes"][0])
+    value = best["parameters"]["asymmetric_viscous_friction"]["viscous_asymmetry"]
+    assert value["std"] > 0.0
+
+
+def test_files_can_be_read_again(viscous: Diagnosis, tmp_path) -> None:  # noqa: ANN001
+    places = viscous.write(tmp_path / "deep" / "folder")
+    assert {path.name for path in places.values()} == {
+        "diagnosis.json", "base.json", "model.json", "report.html",
+    }  # fmt: skip
+    assert read_model(places["model.json"]).effects.keys() == {"asymmetric_viscous_friction"}
+    assert not read_model(places["base.json"]).effects
+    assert not list((tmp_path / "deep" / "folder").glob(".*"))
+
+
+def test_rows_at_the_end_of_their_period_are_noticed() -> None:
+    record = record_of_plant(3, ())
+    shifted = Record.from_arrays(
+        name="end", time=record.time[:-1], current=record.current[:-1], position=record.position[1:]
+    )
+    assert not answers_own_row(record)
+    assert answers_own_row(shifted)
+    found = diagnose([shifted], calibrated(), jobs=2)
+    assert END_OF_PERIOD in found.warnings
+    assert found.verdict == "none"
+
+
+def test_held_out_samples_are_not_fitted() -> None:
+    holdout = hold_out([experiment_of(record_of_plant(3, ()))])
+    assert not np.any(holdout.fitted[0] & holdout.scored[0])
+    assert 0.25 < holdout.scored[0].mean() < 0.42
+
+
+def test_persistence_of_white_and_of_slow_errors() -> None:
+    generator = np.random.default_rng(1)
+    white = generator.standard_normal(4000)
+    assert persistence_of(white) == pytest.approx(1.0, abs=0.2)
+    slow = np.convolve(white, np.ones(20), "valid")
+    assert 12.0 < persistence_of(slow) < 30.0
+
+
+def test_closed_share() -> None:
+    assert closed_share(3.0, 2.0, 1.0) == 0.5
+    assert closed_share(1.0, 1.0, 1.0) is None
+
+
+def test_time_since_reversal() -> None:
+    time = np.arange(6.0)
+    mode = np.array([1.0, 0.0, 0.0, -1.0, -1.0, 1.0])
+    assert list(time_since_reversal(time, mode)) == [math.inf, math.inf, math.inf, 0.0, 1.0, 0.0]
+
+
+def test_regimes_cover_the_record() -> None:
+    experiment = experiment_of(record_of_plant(3, ()))
+    mode = np.sign(np.gradient(experiment.position))
+    masks = masks_of(experiment, mode)
+    thirds = [masks[key] for key in masks if key[0] in ("low", "middle", "high")]
+    assert np.all(sum(mask.astype(int) for mask in thirds) == 1)

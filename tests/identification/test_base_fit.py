@@ -1,0 +1,120 @@
+"""The base fit finds the parameters of blind plants; noise, hints and uncertainty are honest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis.blindtest.plants import draw_plant, measure
+from identification.experiment import experiment_of
+from identification.extension import extend
+from identification.fit import Fit, fit_base
+from identification.hints import coarsest_grid, strongest_periods
+from identification.noise import noise_level, reading_grid
+from identification.uncertainty import covariance, estimates
+from valvemodel.model import Model
+from valvemodel.records import Record
+from valvemodel.valves import read_valve
+
+
+def fitted(seed: int) -> tuple[dict[str, float], Fit]:
+    plant = draw_plant(seed, ())
+    taken = measure(plant, seed + 1000)
+    record = Record.from_arrays(
+        name="plant", time=taken["time"], current=taken["current"], position=taken["position"]
+    )
+    valve = read_valve("calibrated")
+    return plant.base, fit_base(Model(valve.name, valve.values), [experiment_of(record)])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ratios_of_a_blind_plant_are_recovered(seed: int) -> None:
+    """Only ratios to S_1 P_1 enter current and position; the fit keeps S_1 and P_1, so all forces scale alike."""
+    truth, fit = fitted(seed)
+    found = {estimate.name: estimate for estimate in estimates(fit)}
+    scale = truth["diaphragm_area"] / fit.model.values["diaphragm_area"]
+    scale *= truth["supply_pressure"] / fit.model.values["supply_pressure"]
+    for name in ("spring_rate", "coulomb_friction", "viscous_friction"):
+        estimate = found[name]
+        assert estimate.std is not None
+        error = abs(estimate.value * scale - truth[name])
+        assert error < max(0.02 * truth[name], 4.0 * estimate.std * scale), name
+    for name in ("gap_offset", "gap_gain"):
+        assert found[name].value == pytest.approx(truth[name], rel=2e-3)
+
+
+def test_noise_is_read_off_the_record() -> None:
+    generator = np.random.default_rng(3)
+    time = np.arange(4000) * 0.02
+    motion = 0.1 * np.sin(0.3 * time) + 0.02 * (time % 7.0 > 3.0)
+    noisy = motion + 1e-4 * generator.standard_normal(len(time))
+    assert noise_level(noisy) == pytest.approx(1e-4, rel=0.06)
+
+
+def test_grid_of_coarse_readings() -> None:
+    generator = np.random.default_rng(4)
+    fine = generator.uniform(0.02, 0.2, 3000)
+    step, offset = reading_grid(2e-3 * np.round((fine - 7e-4) / 2e-3) + 7e-4)
+    assert step == pytest.approx(2e-3)
+    assert offset == pytest.approx(7e-4, abs=1e-9)
+    assert reading_grid(fine) == (0.0, 0.0) or reading_grid(fine)[0] < 5e-4
+
+
+def test_grid_is_found_below_noise_on_top() -> None:
+    generator = np.random.default_rng(5)
+    time = np.arange(6000) * 0.02
+    coarse = 3e-3 * np.round((0.12 + 0.1 * np.sin(0.2 * time)) / 3e-3)
+    record = Record.from_arrays(
+        name="grid",
+        time=time,
+        current=0.012 + 0.004 * np.sin(0.2 * time),
+        position=coarse + 1e-4 * generator.standard_normal(len(time)),
+    )
+    assert coarsest_grid(experiment_of(record))[0] == pytest.approx(3e-3, rel=1e-3)
+
+
+def test_strongest_period_is_found() -> None:
+    time = np.arange(7500) * 0.02
+    generator = np.random.default_rng(6)
+    residual = np.sin(2 * np.pi * time / 23.0) + 0.5 * generator.standard_normal(len(time))
+    assert strongest_periods(time, residual)[0] == pytest.approx(23.0, rel=0.05)
+
+
+def test_covariance_of_a_straight_line() -> None:
+    generator = np.random.default_rng(7)
+    design = np.column_stack([np.ones(1000), np.linspace(-1.0, 1.0, 1000)])
+    deviations = []
+    for _ in range(200):
+        noise = generator.standard_normal(1000)
+        deviations.append(np.linalg.lstsq(design, noise, rcond=None)[0])
+    stated = np.sqrt(np.diag(covariance(design, generator.standard_normal(1000), np.arange(1000) // 25)))
+    assert stated == pytest.approx(np.std(deviations, axis=0), rel=0.35)
+
+
+def test_what_a_record_does_not_determine_has_no_deviation() -> None:
+    time = np.arange(2000) * 0.5
+    current = 0.012 + 0.006 * np.sin(2 * np.pi * time / 300.0)
+    valve = read_valve("calibrated")
+    model = Model(valve.name, valve.values)
+    from valvemodel.simulation import simulate
+
+    run = simulate(model, time=time, current=current)
+    generator = np.random.default_rng(8)
+    position = run.position + 1e-4 * generator.standard_normal(len(time))
+    record = Record.from_arrays(name="slow", time=time, current=current, position=position)
+    found = {each.name: each for each in estimates(fit_base(model, [experiment_of(record)]))}
+    assert found["stem_mass"].std is None
+    assert found["spring_rate"].std is not None
+
+
+def test_an_extension_recovers_its_parameter() -> None:
+    plant = draw_plant(4, ("asymmetric_viscous_friction",))
+    taken = measure(plant, 1004)
+    record = Record.from_arrays(
+        name="plant", time=taken["time"], current=taken["current"], position=taken["position"]
+    )
+    valve = read_valve("calibrated")
+    base = fit_base(Model(valve.name, valve.values), [experiment_of(record)])
+    fit = extend(base, "asymmetric_viscous_friction")
+    assert fit.found.error < 0.9 * base.found.error
+    assert abs(fit.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"]) > 0.02

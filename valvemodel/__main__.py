@@ -1,0 +1,5 @@
+"""`python -m valvemodel`: the command line."""
+
+from valvemodel.commands import main
+
+main()

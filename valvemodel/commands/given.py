@@ -1,0 +1,103 @@
+"""What commands are given: a valve, records of it, effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from valvemodel.errors import InputError
+
+if TYPE_CHECKING:
+    from valvemodel.model import Model
+    from valvemodel.records import Record
+
+valve_option = click.option(
+    "--valve",
+    metavar="SET|FILE",
+    help="Valve as given: a set (see `valvemodel valves`) or a file of that format.  [default: calibrated]",
+)
+records_argument = click.argument(
+    "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORD..."
+)
+
+
+def valve_model(name: str | None) -> tuple[Model, float | None]:
+    """Return a valve set or file as a model, and its rated travel [m] if the file gives it."""
+    from valvemodel.model import Model
+    from valvemodel.valves import read_valve
+
+    valve = read_valve("calibrated" if name is None else name)
+    entry = valve.entries.get("rated_travel")
+    travel = valve.values["rated_travel"] if entry is not None and entry.is_given else None
+    return Model(valve.name, valve.values), travel
+
+
+def measured_records(paths: Sequence[Path], model: Model, rated_travel: float | None) -> list[Record]:
+    """Read records of one valve, all of one kind.
+
+    Raises
+    ------
+    InputError
+        If one cannot be used, is given twice, or records of the whole valve and of the stem alone are mixed.
+    """
+    from valvemodel.records import read_record
+
+    _check_each_once(paths)
+    records = [_in_metres(read_record(path, rated_travel=rated_travel), model) for path in paths]
+    stem = [record.kind == "stem" for record in records]
+    if any(stem) and not all(stem):
+        whole, alone = paths[stem.index(False)], paths[stem.index(True)]
+        raise InputError(
+            "records of one run have one kind",
+            f"{whole} has current, {alone} has force instead",
+            "give them to runs of their own",
+        )
+    return records
+
+
+def _check_each_once(paths: Sequence[Path]) -> None:
+    seen: set[Path] = set()
+    for path in paths:
+        place = path.resolve()
+        if place in seen:
+            raise InputError(
+                "a record is given once (one is kept back to score on)", f"{path} came twice", "name it once"
+            )
+        seen.add(place)
+
+
+def _in_metres(record: Record, model: Model) -> Record:
+    """Return the record in metres; where percent stayed for lack of a rated travel, say how it scales."""
+    if record.position_unit == "m" or record.position is None:
+        return record
+    travel = model.values["rated_travel"]
+    note = (
+        f"position is in percent and the valve gives no rated_travel: lengths count {1e3 * travel:g} mm as "
+        "100 %, and only their proportions mean something"
+    )
+    kept = tuple(each for each in record.warnings if "percent" not in each)
+    return replace(record, position=record.position * travel, position_unit="m", warnings=(*kept, note))
+
+
+def with_effects(model: Model, texts: Sequence[str]) -> Model:
+    """Switch on the effects that were given as KEY or KEY:name=value,name=value.
+
+    Raises
+    ------
+    InputError
+        If an effect or a parameter is unknown, or an effect comes twice.
+    """
+    from valvemodel.effects import parse_effect
+
+    given: set[str] = set()
+    for text in texts:
+        key, values = parse_effect(text)
+        if key in given:
+            raise InputError("an effect is given once", f"{key} came twice", "put all its values into one")
+        given.add(key)
+        model = model.with_effect(key, **{**model.effects.get(key, {}), **values})
+    return model

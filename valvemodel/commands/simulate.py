@@ -1,0 +1,99 @@
+"""`valvemodel simulate`: a valve or a model run over measured or made-up currents."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from valvemodel.commands.given import valve_model, valve_option, with_effects
+from valvemodel.commands.places import check_file
+from valvemodel.commands.trouble import warn
+
+
+@click.command(
+    epilog="""\b
+Examples:
+  valvemodel simulate --input ramps.csv --out out.csv
+  valvemodel simulate --valve table2 --input ramps.csv --out out.csv
+  valvemodel simulate --input ramps.csv --effect static_friction:static_friction_ratio=1.3 --out out.csv
+  valvemodel simulate --model report/model.json --input ramps.csv --start-position "28.15 mm" --out out.csv"""
+)
+@valve_option
+@click.option(
+    "--model",
+    "model_file",
+    metavar="MODEL.json",
+    type=click.Path(path_type=Path),
+    help="A model that fit or diagnose wrote, instead of --valve.",
+)
+@click.option(
+    "--input",
+    "input_file",
+    required=True,
+    metavar="IN.csv",
+    type=click.Path(path_type=Path),
+    help="Columns `time [s]` and `current [mA]`; also Parquet and MAT.",
+)
+@click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="KEY[:name=value,...]",
+    help="Switch an effect on, with values in SI units or with a unit; may be given several times.",
+)
+@click.option(
+    "--start-position",
+    metavar="QUANTITY",
+    help='Reading at the start, as "28.15 mm".  [default: at rest in the middle of the stuck band]',
+)
+@click.option(
+    "--out",
+    required=True,
+    metavar="OUT.csv",
+    type=click.Path(path_type=Path),
+    help="Where the table goes; a name ending in .parquet makes it Parquet.",
+)
+def simulate(
+    valve: str | None,
+    model_file: Path | None,
+    input_file: Path,
+    effects: tuple[str, ...],
+    start_position: str | None,
+    out: Path,
+) -> None:
+    """Simulate a valve under currents that are held from each row to the next.
+
+    The base model is exact: sticking and slipping by mode, stops and breakaways in closed form, no step size.
+    OUT.csv has time, current, pressure, position (the sensor's reading) and mode (stuck, rising, falling) at
+    the input's times; a row shows the state just before its current acts. A position in it is not used.
+    """
+    if valve is not None and model_file is not None:
+        raise click.UsageError("--valve and --model exclude each other: give one of them.")
+    check_file(out)
+    import math
+
+    from valvemodel.model import read_model
+    from valvemodel.quantities import parse_quantity
+    from valvemodel.records import read_record, write_table
+    from valvemodel.simulation import simulate as run
+
+    model = valve_model(valve)[0] if model_file is None else read_model(model_file)
+    model = with_effects(model, effects)
+    start = math.nan if start_position is None else parse_quantity(start_position, unit="m")
+    record = read_record(input_file, needs=("time", "current"), allow_loop=False)
+    assert record.time is not None
+    assert record.current is not None
+    warn(record.warnings)
+    trajectory = run(model, time=record.time, current=record.current, start_position=start)
+    write_table(
+        out,
+        {
+            "time [s]": trajectory.time,
+            "current [mA]": 1e3 * trajectory.current,
+            "pressure [kPa]": 1e-3 * trajectory.pressure,
+            "position [mm]": 1e3 * trajectory.position,
+            "mode": trajectory.mode_names,
+        },
+    )
+    click.echo(f"wrote {out}: {len(record)} rows", err=True)
