@@ -79,7 +79,9 @@ def hit_of(result: dict[str, Any]) -> str:
     truth = set(result["truth"])
     named = set(result["causes"][0]["effects"])
     if not truth:
-        return "right" if result["verdict"] == "none" else "unknown" if result["verdict"] == "unknown" else "false alarm"
+        return (
+            "right" if result["verdict"] == "none" else "unknown" if result["verdict"] == "unknown" else "false alarm"
+        )
     if result["verdict"] != "effect":
         rivals = [set(each) for each in result["rivals"]]
         return "alias" if result["verdict"] == "none" and truth in rivals else result["verdict"]
@@ -109,6 +111,7 @@ def main(
     from diagnosis.blindtest.plants import EFFECTS
 
     keys = list(only) or list(EFFECTS)
+    work: list[tuple[int, tuple[str, ...], bool]]
     work = [(seed + number, (key,), pressure) for number in range(single) for key in keys]
     work += [(seed + 500 + number, (), pressure) for number in range(without)]
     results = []
@@ -127,7 +130,10 @@ def main(
             )
     if path is not None:
         path.write_text(json.dumps(results, indent=1))
-    for title, chosen in (("one effect", [r for r in results if r["truth"]]), ("none", [r for r in results if not r["truth"]])):
+    for title, chosen in (
+        ("one effect", [r for r in results if r["truth"]]),
+        ("none", [r for r in results if not r["truth"]]),
+    ):
         counts: dict[str, int] = {}
         for result in chosen:
             counts[hit_of(result)] = counts.get(hit_of(result), 0) + 1

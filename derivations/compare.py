@@ -46,9 +46,7 @@ def classify(
         )
     flipped = flipped_term(printed, derived)
     if flipped is not None:
-        return Comparison(
-            "sign error", f"with the sign of {label(flipped)} turned, printed less derived is 0"
-        )
+        return Comparison("sign error", f"with the sign of {label(flipped)} turned, printed less derived is 0")
     swap = swapped_letter(printed, derived)
     if swap:
         return Comparison("misprint", f"with {swap} it is the derived form")

@@ -80,9 +80,7 @@ def _common(expression: sp.Basic) -> sp.Expr:
     dimensions = [dimension(part) for part in parts]
     for part, one in zip(parts, dimensions, strict=True):
         if not is_alike(one, dimensions[0]):
-            raise DimensionError(
-                f"{sp.sstr(parts[0])} [{dimensions[0]}] stands beside {sp.sstr(part)} [{one}]"
-            )
+            raise DimensionError(f"{sp.sstr(parts[0])} [{dimensions[0]}] stands beside {sp.sstr(part)} [{one}]")
     return dimensions[0]
 
 

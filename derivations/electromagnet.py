@@ -97,9 +97,7 @@ def ansatz_factor(sign: int) -> sp.Expr:
 def gap_of_ansatz(factor: sp.Expr) -> sp.Expr:
     """(31): t eliminated from i = b n factor t^v, X = n t^(v-1), with x = X - L_m/(2 sigma)."""
     time, slope, scale, exponent, current = symbols("t b n nu i")
-    (moment,) = sp.solve(
-        sp.Eq(sp.log(current), sp.log(slope * scale * factor) + exponent * sp.log(time)), time
-    )
+    (moment,) = sp.solve(sp.Eq(sp.log(current), sp.log(slope * scale * factor) + exponent * sp.log(time)), time)
     travel = scale * sp.powdenest(moment, force=True) ** (exponent - 1) - rest_shift()
     return symbol("delta_max") - travel
 

@@ -83,9 +83,7 @@ _ELECTROMAGNET = (
     Letter("H_m", "field_strength", "A/m", "field strength in the core"),
     Letter("L_m", "magnetic_path_length", "m", "length of the magnetic path"),
     Letter("S", "magnetic_area", "m^2", "area of the magnetic path"),
-    Letter(
-        "sigma", "leakage_coefficient", "1", "leakage coefficient of the air gap, core flux over gap flux"
-    ),
+    Letter("sigma", "leakage_coefficient", "1", "leakage coefficient of the air gap, core flux over gap flux"),
     Letter("mu_0", "magnetic_constant", "H/m", "permeability of free space"),
     Letter("mu_r", "relative_permeability", "1", "relative permeability of the core; not in the paper"),
     Letter("a", "rate_offset", "A/s", "L_m U/(N^2 mu_0 S)"),
@@ -126,9 +124,7 @@ _CALIBRATION = (
     Letter("e_sum", "error_sum", "m", "sum of e(j), j = 0..k", "any", "sum_e"),
 )
 
-LETTERS = {
-    letter.letter: letter for letter in (*_STEM, *_NOZZLE, *_ELECTROMAGNET, *_INTEGRATION, *_CALIBRATION)
-}
+LETTERS = {letter.letter: letter for letter in (*_STEM, *_NOZZLE, *_ELECTROMAGNET, *_INTEGRATION, *_CALIBRATION)}
 assert len(LETTERS) == sum(map(len, (_STEM, _NOZZLE, _ELECTROMAGNET, _INTEGRATION, _CALIBRATION))), (
     "a letter is bound twice"
 )

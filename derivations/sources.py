@@ -74,8 +74,7 @@ def _electromagnet() -> Iterator[Source]:
         ("power", 1 - 1 / symbol("nu")),
     )
     gain, printed_gain = (
-        electromagnet.gap_gain(sign).subs((symbol("nu") - 1) / symbol("nu"), slope[2][1])
-        for sign in (RIGHT, PRINTED)
+        electromagnet.gap_gain(sign).subs((symbol("nu") - 1) / symbol("nu"), slope[2][1]) for sign in (RIGHT, PRINTED)
     )
     yield Source(
         "coil_gap", "electromagnet", "i c_0 E", electromagnet.coil_gap(),
@@ -121,9 +120,7 @@ def _flux() -> Iterator[Source]:
     (root,) = sp.solve(sp.Eq(_name("inductance"), inductance[1][1]), turns)
     by_current, by_gap = electromagnet.flux_by_current(), electromagnet.flux_by_air_gap()
     right, printed = (
-        sp.expand(
-            electromagnet.current_rate_of_flux(by_current, slope).subs(path[0][1], _name("equivalent_length"))
-        )
+        sp.expand(electromagnet.current_rate_of_flux(by_current, slope).subs(path[0][1], _name("equivalent_length")))
         for slope in (by_gap, -by_gap)
     )
     yield Source(

@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.holdout import Holdout, hold_out
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, select, workers
 from identification.experiment import Experiment, simulate_rows
-from identification.fit import Fit, finished, fit_base, measured
+from identification.fit import Fit, fit_base, fitted_to_all
+from identification.holdout import Holdout, hold_out
 from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
-from identification.search import descend
 from identification.timing import experiments_of
 from identification.uncertainty import estimates
 from valvemodel import chain
@@ -214,7 +213,7 @@ def diagnose(
 
 
 def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:
-    """Return the noise floor of the free and of the re-anchored run: the noise of the readings, or the best fit's error."""
+    """Return the noise floors of free and re-anchored run: the noise of the readings, or the best fit's error."""
     free = min(each.score.free.rms for each in candidates)
     anchored = min(each.score.anchored.rms for each in candidates)
     return min(holdout.noise, free), min(holdout.noise, anchored)
@@ -247,9 +246,7 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
     )
 
 
-def causes_of(
-    candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str
-) -> list[Cause]:
+def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str) -> list[Cause]:
     """Return the causes, the most probable first; what is not listed is shared out among those listed."""
     order = sorted(range(len(candidates)), key=lambda number: (-judgement.probabilities[number], number))
     listed = order[:SHOWN_CAUSES]
@@ -296,26 +293,6 @@ def with_parameters(cause: Cause, fit: Fit) -> Cause:
             if estimate.name in values:
                 values[estimate.name]["std"] = estimate.std
     return Cause(**{**vars(cause), "parameters": parameters})
-
-
-def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
-    """Fit the unknowns of a fit once more to all that was measured, from where they are."""
-    from dataclasses import replace
-
-    from identification.unknowns import start_unknown
-
-    shared = [(unknown, x) for unknown, x in zip(fit.unknowns, fit.found.point, strict=True) if unknown.experiment < 0]
-    starts = [
-        (unknown, x) for unknown, x in zip(fit.unknowns, fit.found.point, strict=True) if unknown.experiment >= 0
-    ]
-    starts += [
-        (start_unknown(experiments[number].first_reading, number), 0.0)
-        for number in range(len(starts), len(experiments))
-    ]
-    unknowns = [unknown for unknown, _ in [*shared, *starts]]
-    point = np.array([x for _, x in [*shared, *starts]])
-    problem = replace(fit.problem, experiments=experiments, unknowns=unknowns, used=measured(experiments))
-    return finished(problem, descend(problem, point, evaluations=15, precision=1e-7))
 
 
 def verdict_of(causes: Sequence[Cause], judgement: Judgement) -> str:

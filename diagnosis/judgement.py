@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.score import Errors, closed_share
-from diagnosis.selection import Candidate
+from diagnosis.selection import Candidate, explains
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
@@ -18,7 +18,7 @@ PRIOR_ONE = 0.5
 PRIOR_MORE = 0.1
 """Prior probability of no effect, of one, of several; each is shared by the causes of its size."""
 
-FORM_ERROR = 0.08
+FORM_ERROR = 0.1
 """Share of an effect's own trace by which a right effect in another form than ours may miss it."""
 
 MOST_SAMPLES = 400.0
@@ -33,6 +33,9 @@ NOISE_REACHED = 1.15
 
 WITHIN_ERROR = 3.0
 """Log-likelihood within which two causes cannot be told apart."""
+
+LEAST_TRACE = 0.3
+"""Change of the readings, in units of the noise, below which a cause is the same model as without it."""
 
 MOST_RIVALS = 4
 
@@ -60,6 +63,7 @@ def judge(candidates: Sequence[Candidate], floors: tuple[float, float]) -> Judge
     """
     evidence = np.array([evidence_of(each, candidates) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])
+    support[np.array([each.trace < LEAST_TRACE for each in candidates])] = -np.inf
     weights = np.exp(support - support.max())
     weights /= weights.sum()
     likely = candidates[int(np.argmax(weights))]
@@ -111,24 +115,26 @@ def unknown_probability(likely: Candidate, base: Candidate, floors: tuple[float,
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:
     """Return the causes, of no more effects, whose error on unseen data is as good as the chosen one's.
 
-    The empty cause means the base alone. A cause that only adds to the chosen one is no rival.
+    The empty cause means the base alone. A cause that only adds to the chosen one is no rival. A declared alias that
+    explains the gap is one even where its error is larger: the difference may be one of form.
     """
     mine = candidates[chosen]
     found: list[tuple[float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
-        if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_present(other):
+        if number == chosen or len(other.effects) > max(len(mine.effects), 1) or other.trace < LEAST_TRACE:
             continue
         if mine.effects and set(mine.effects) < set(other.effects):
             continue
-        if judgement.evidence[number] > judgement.evidence[chosen] - WITHIN_ERROR:
+        is_close = judgement.evidence[number] > judgement.evidence[chosen] - WITHIN_ERROR
+        if is_close or (are_aliases(mine.effects, other.effects) and explains(other, candidates[0])):
             found.append((-judgement.evidence[number], other.effects))
     return [effects for _, effects in sorted(found)][:MOST_RIVALS]
 
 
-def is_present(candidate: Candidate) -> bool:
-    """Return whether each effect of a cause is away from its neutral value."""
-    for key, values in candidate.fit.model.effects.items():
-        effect = effect_of_key(key)
-        if effect.fitted and all(values[each.name] == each.neutral for each in effect.fitted):
-            return False
-    return True
+def are_aliases(effects: tuple[str, ...], others: tuple[str, ...]) -> bool:
+    """Return whether two causes differ by one effect for which the other is declared to come close."""
+    mine, theirs = set(effects) - set(others), set(others) - set(effects)
+    if len(mine) != 1 or len(theirs) != 1:
+        return False
+    (one,), (other,) = mine, theirs
+    return other in effect_of_key(one).aliases or one in effect_of_key(other).aliases

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.holdout import Holdout
 from identification.experiment import Simulated
 from identification.fit import Fit
+from identification.holdout import Holdout
 
 RESAMPLES = 1000
 """Resamples of the block bootstrap."""
@@ -66,9 +66,7 @@ class Score:
 def score_fit(fit: Fit, holdout: Holdout) -> Score:
     """Score a fit on the samples that were kept back."""
     free, anchored = (
-        errors_of(
-            holdout, [fit.simulated_on(each, is_anchored=is_anchored) for each in holdout.scored_experiments]
-        )
+        errors_of(holdout, [fit.simulated_on(each, is_anchored=is_anchored) for each in holdout.scored_experiments])
         for is_anchored in (False, True)
     )
     return Score(free, anchored)
@@ -92,9 +90,7 @@ def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
         counts.append(np.bincount(experiment.block, mask, last)[blocks])
         persistence.append(persistence_of(error[mask]))
     signals = 1 if holdout.scored_experiments[0].pressure is None else 2
-    return Errors(
-        np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), signals, max(persistence)
-    )
+    return Errors(np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), signals, max(persistence))
 
 
 def persistence_of(error: np.ndarray) -> float:

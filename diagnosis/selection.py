@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 
-from diagnosis.holdout import Holdout
+import numpy as np
+
 from diagnosis.score import Score, score_fit
 from identification.extension import extend, screened
 from identification.fit import Fit
+from identification.holdout import Holdout
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
@@ -29,7 +32,7 @@ GOOD_ENOUGH = 1.06
 """Mean weighted square at which the noise is reached and no further effect is looked for."""
 
 FORM_SHARE = 0.2
-"""Share of the base's error, in root mean square, that the right effect may leave for being of another form than ours."""
+"""Share of the base's error, in root mean square, that the right effect may leave for another form than ours."""
 
 NEAR_THE_BEST = 1.6
 """Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
@@ -42,11 +45,23 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Candidate:
-    """A cause that was tried: its effects in the order of adding, its fit, its score on unseen data."""
+    """A cause that was tried.
+
+    Attributes
+    ----------
+    effects : tuple of str
+        In the order of adding; none for the base.
+    fit : Fit
+    score : Score
+        On unseen data.
+    trace : float [noise]
+        Change of the reading, root mean square, when the least of the effects is taken out; infinite for the base.
+    """
 
     effects: tuple[str, ...]
     fit: Fit
     score: Score
+    trace: float = math.inf
 
     @property
     def freedom(self) -> int:
@@ -74,7 +89,20 @@ def try_effect(fit: Fit, effects: tuple[str, ...], holdout: Holdout) -> Candidat
 
     with threadpool_limits(1):
         extended = extend(fit, effects[-1])
-        return Candidate(effects, extended, score_fit(extended, holdout))
+        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout))
+
+
+def trace_of(fit: Fit, holdout: Holdout) -> float:
+    """Return by how much the readings change when the least of a fit's effects is taken out. [noise]"""
+    changes = []
+    for key in fit.model.effects:
+        without = replace(fit, model=fit.model.without_effect(key))
+        squares = [
+            np.nanmean((fit.simulated_on(each).position - without.simulated_on(each).position) ** 2) / each.noise**2
+            for each in holdout.scored_experiments
+        ]
+        changes.append(float(np.sqrt(np.mean(squares))))
+    return min(changes)
 
 
 def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: Progress) -> list[Candidate]:

@@ -123,9 +123,7 @@ class StemOnlyDiagnosis:
                     "parameters": cause.parameters,
                     "gap_after": cause.errors.rms,
                     "gap_closed": cause.closed,
-                    "gap_closed_interval": None
-                    if cause.closed_interval is None
-                    else list(cause.closed_interval),
+                    "gap_closed_interval": None if cause.closed_interval is None else list(cause.closed_interval),
                     "indistinguishable_from": [list(rival) for rival in cause.rivals],
                 }
                 for cause in self.causes
@@ -154,9 +152,7 @@ class StemOnlyDiagnosis:
         from diagnosis.report import write_page
 
         folder = make_folder(folder)
-        places = {
-            name: folder / name for name in ("diagnosis.json", "base.json", "model.json", "report.html")
-        }
+        places = {name: folder / name for name in ("diagnosis.json", "base.json", "model.json", "report.html")}
         content = self.as_json()
         write_json(places["diagnosis.json"], content)
         self.base.write(places["base.json"])
@@ -384,9 +380,7 @@ def scored_on_other(diagnosis: StemDiagnosis, joined: Joined) -> Scored:
     return judged(causes, fits, unknown / total, floor, root_mean_square(signals.row_force))
 
 
-def judged(
-    causes: Sequence[Cause], fits: dict[Effects, StemFit], unknown: float, floor: float, force: float
-) -> Scored:
+def judged(causes: Sequence[Cause], fits: dict[Effects, StemFit], unknown: float, floor: float, force: float) -> Scored:
     """Sort causes and say the verdict.
 
     Where the base comes down to the noise, a cause that is not clearly better leaves its probability to it: a
@@ -400,9 +394,7 @@ def judged(
         kept = [each for each in causes if each.effects and not is_perfect and () not in each.rivals]
         rest = 1.0 - unknown - sum(each.probability for each in kept)
         causes = [
-            each
-            if any(each is one for one in kept)
-            else replace(each, probability=0.0 if each.effects else rest)
+            each if any(each is one for one in kept) else replace(each, probability=0.0 if each.effects else rest)
             for each in causes
         ]
     order = sorted(causes, key=lambda cause: (-cause.probability, cause.errors.rms))
@@ -475,9 +467,7 @@ def model_of(fit: StemFit, given: Model, name: str) -> tuple[Model, list[str]]:
         try:
             check_valve({**values, key: value})
         except InputError as error:
-            notes.append(
-                f"{error.rule}: the fit gives {value:.4g}, the model keeps the given {values[key]:.4g}"
-            )
+            notes.append(f"{error.rule}: the fit gives {value:.4g}, the model keeps the given {values[key]:.4g}")
             continue
         values[key] = value
     effects = {

@@ -98,7 +98,8 @@ def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
     current acts, or where `reads_at_end` at its end. A loop has no time: each current is held until the stem has
     settled, and the row holds the state at the end.
     """
-    assert record.current is not None and record.position is not None
+    assert record.current is not None
+    assert record.position is not None
     current = np.ascontiguousarray(record.current, float)
     position = np.ascontiguousarray(record.position, float)
     pressure = None if record.pressure is None else np.ascontiguousarray(record.pressure, float)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
 from valvemodel import chain
 from valvemodel.model import Model
+
+REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
+"""The last descent, over all data: it begins at the fit to a part of them and is short."""
 
 Masks = Sequence[np.ndarray]
 
@@ -94,3 +97,20 @@ def finished(problem: Problem, found: Found) -> Fit:
     }
     model = Model(problem.model.name, {**problem.model.values, **base}, effects)
     return Fit(model, tuple(problem.starts(found.point)), problem, found)
+
+
+def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
+    """Fit the unknowns of a fit once more, to all that was measured, from where they are."""
+    pairs = list(zip(fit.unknowns, fit.found.point, strict=True))
+    kept = [pair for pair in pairs if pair[0].experiment < 0]
+    starts = {unknown.experiment: (unknown, x) for unknown, x in pairs if unknown.experiment >= 0}
+    for number, experiment in enumerate(experiments):
+        kept.append(starts.get(number) or (start_unknown(experiment.first_reading, number), 0.0))
+    problem = replace(
+        fit.problem,
+        experiments=experiments,
+        unknowns=[unknown for unknown, _ in kept],
+        used=measured(experiments),
+    )
+    point = np.array([x for _, x in kept])
+    return finished(problem, descend(problem, point, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION))

@@ -38,8 +38,8 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
             for value in values:
                 yield {each.name: value if each is chosen else each.neutral for each in effect.parameters}
         return
-    for values in product(*choices):
-        yield dict(zip(names, values, strict=True))
+    for combination in product(*choices):
+        yield dict(zip(names, combination, strict=True))
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:
@@ -111,6 +111,8 @@ def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
         return shown
     step = float(1.0 / wave_numbers[np.argmax(strength)])
     for _ in range(3):
-        numbers = np.round((readings - np.angle(np.exp(2j * np.pi * readings / step).mean()) * step / (2 * np.pi)) / step)
+        numbers = np.round(
+            (readings - np.angle(np.exp(2j * np.pi * readings / step).mean()) * step / (2 * np.pi)) / step
+        )
         step, offset = (float(each) for each in np.polyfit(numbers, readings, 1))
     return step, offset - step * round(offset / step)

@@ -8,15 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from identification.experiment import Experiment
 from identification.extension import extend
-from identification.fit import Fit, Masks, finished, fit_base, measured
-from identification.search import descend
+from identification.fit import fit_base, fitted_to_all, measured
+from identification.holdout import EVERY, hold_out
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates, rms_of
-from identification.unknowns import start_unknown
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
@@ -26,14 +22,8 @@ from valvemodel.records import Record
 
 SCHEMA = "valvemodel.fit/1"
 
-UNSEEN_EVERY = 3
-"""Every so many blocks in time one is kept back for the error on unseen data."""
-
 _STEM_ALONE = ("spring_rate", "spring_preload", "travel_min", "travel_max", "rated_travel")
 """Base parameters that a force balance settles or does not need, fitted or not."""
-
-REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
-"""The last descent, over all data: it begins at the fit to a part of them and is short."""
 
 Progress = Callable[[str, float], None]
 
@@ -140,14 +130,14 @@ def fit_records(
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
-    part, seen, rest, unseen, kept_back = _split(experiments)
+    holdout = hold_out(experiments)
     progress("base valve", 0.0)
-    fit = fit_base(model, part, seen)
+    fit = fit_base(model, holdout.experiments, holdout.fitted)
     for number, key in enumerate(effects, 1):
         progress(key, number / (len(effects) + 2))
         fit = extend(fit, key)
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
-    rms_unseen = rms_of(fit, rest, unseen) if kept_back else None
+    rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
     found = tuple(estimates(whole))
     return Outcome(
@@ -158,31 +148,12 @@ def fit_records(
         unit="m",
         rms_fitted=rms_of(whole, experiments, measured(experiments)),
         rms_unseen=rms_unseen,
-        unseen=kept_back,
-        noise=_noise(experiments),
+        unseen=holdout.scored_on,
+        noise=holdout.noise,
         starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
         open=_open(found),
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
-    )
-
-
-def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
-    """Fit the unknowns of a fit once more, to all that was measured, from where they are."""
-    pairs = list(zip(fit.unknowns, fit.found.point, strict=True))
-    kept = [pair for pair in pairs if pair[0].experiment < 0]
-    starts = {unknown.experiment: (unknown, x) for unknown, x in pairs if unknown.experiment >= 0}
-    for number, experiment in enumerate(experiments):
-        kept.append(starts.get(number) or (start_unknown(experiment.first_reading, number), 0.0))
-    problem = replace(
-        fit.problem,
-        experiments=experiments,
-        unknowns=[unknown for unknown, _ in kept],
-        used=measured(experiments),
-    )
-    point = np.array([x for _, x in kept])
-    return finished(
-        problem, descend(problem, point, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION)
     )
 
 
@@ -191,27 +162,6 @@ def _check_effects(effects: Sequence[str]) -> None:
         effect_of_key(key)
         if key in effects[:number]:
             raise InputError("an effect is fitted once", f"{key} came twice", "name it once")
-
-
-def _split(
-    experiments: list[Experiment],
-) -> tuple[list[Experiment], Masks, list[Experiment], Masks, str | None]:
-    """Return what to fit with its masks, what to keep back with its masks, and that in words."""
-    everything = measured(experiments)
-    if len(experiments) > 1:
-        return experiments[:-1], everything[:-1], experiments[-1:], everything[-1:], "the last record"
-    is_kept = experiments[0].block % UNSEEN_EVERY == UNSEEN_EVERY - 1
-    unseen = everything[0] & is_kept
-    if not unseen.any():
-        return experiments, everything, [], [], None
-    words = f"every {UNSEEN_EVERY}rd block in time"
-    return experiments, [everything[0] & ~is_kept], experiments, [unseen], words
-
-
-def _noise(experiments: Sequence[Experiment]) -> float:
-    counts = np.array([np.isfinite(each.position).sum() for each in experiments], float)
-    squares = np.array([each.noise**2 for each in experiments])
-    return float(np.sqrt((squares * counts).sum() / counts.sum()))
 
 
 def _open(found: Sequence[Estimate]) -> dict[str, str]:
@@ -223,9 +173,7 @@ def _fitted_name(model: Model, records: Sequence[Record]) -> str:
     return f"{model.name} fitted to {', '.join(record.name for record in records)}"
 
 
-def _fit_stem_record(
-    records: Sequence[Record], model: Model, effects: Sequence[str], progress: Progress
-) -> Outcome:
+def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[str], progress: Progress) -> Outcome:
     """Fit the stem alone, by its force balance, to one record of force and position."""
     from identification.inverse_dynamics import fit_stem, prepare_signals
     from identification.inverse_dynamics.fit import blocks_of, find_spring
@@ -241,7 +189,7 @@ def _fit_stem_record(
     record = records[0]
     signals = prepare_signals(record)
     has_spring = find_spring(signals) or "spring_hardening" in effects
-    seen = blocks_of(signals) % UNSEEN_EVERY != UNSEEN_EVERY - 1
+    seen = blocks_of(signals) % EVERY != EVERY - 1
     part = fit_stem(signals, effects=effects, train=seen, has_spring=has_spring)
     progress("all data", 0.5)
     whole = fit_stem(signals, effects=effects, has_spring=has_spring)
@@ -250,16 +198,12 @@ def _fit_stem_record(
         for name, each in whole.parameters.items()
     )
     others = [each.name for each in BASE_PARAMETERS if each.name not in {*whole.values, *_STEM_ALONE}]
-    notes = [
-        f"force and position alone say nothing of {', '.join(others)}: the model has those of {model.name}"
-    ]
+    notes = [f"force and position alone say nothing of {', '.join(others)}: the model has those of {model.name}"]
     if not has_spring:
         notes.append("the force does not rise with the position: the model has no spring")
     fitted: Model | None = None
     try:
-        fitted = _stem_model(
-            model, record, whole.values, {key: list(own) for key, own in whole.by_effect().items()}
-        )
+        fitted = _stem_model(model, record, whole.values, {key: list(own) for key, own in whole.by_effect().items()})
     except InputError as error:
         notes.append(f"no model.json: {error.rule}, and {error.arrived}")
     return Outcome(
@@ -270,7 +214,7 @@ def _fit_stem_record(
         unit="N",
         rms_fitted=whole.rms,
         rms_unseen=part.held_out_rms,
-        unseen=f"every {UNSEEN_EVERY}rd block in time",
+        unseen="held-out blocks",
         noise=None,
         starts={},
         open=_open(found),

@@ -84,7 +84,7 @@ class Problem:
         return np.where(np.isfinite(residuals), residuals, 1e6)
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
-        """Return the derivative of the residuals at a scaled point by differences into the bounds, shape (r, unknowns)."""
+        """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns)."""
         count = len(point)
         steps = np.full(count, DIFFERENCE)
         upper = np.array([unknown.bounds[1] for unknown in self.unknowns])

@@ -94,6 +94,12 @@ def start_unknown(first_reading: float, experiment: int) -> Unknown:
     """Return the start position of one experiment."""
     reach = 5.0 * START_SPREAD
     return Unknown(
-        "start_position", "m", first_reading, START_SPREAD, False, first_reading - reach, first_reading + reach,
+        "start_position",
+        "m",
+        first_reading,
+        START_SPREAD,
+        False,
+        first_reading - reach,
+        first_reading + reach,
         experiment=experiment,
     )

@@ -118,9 +118,7 @@ def test_help_starts_without_the_heavy_libraries():
         "except SystemExit: pass\n"
         "print(json.dumps(sorted(sys.modules)), file=sys.stderr)\n"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT
-    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
     assert "diagnose" in done.stdout
     loaded = set(json.loads(done.stderr))
     for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "rich"):

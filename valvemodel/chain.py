@@ -6,19 +6,36 @@ import math
 
 import numpy as np
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
+from valvemodel.stages.motion import DRIFT_HOLD, advance_stem, glide, longest_hold, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
-from valvemodel.stages.sensor import bow, follow_stem, read_sensor, rest_sensor, sensor_drift, unbow
-from valvemodel.stages.stem import (
-    STOP_SPEED, STUCK, advance_stem, put_stem, rest_stem,
-)  # fmt: skip
+from valvemodel.stages.sensor import (
+    bow,
+    follow_steadily,
+    follow_stem,
+    read_sensor,
+    rest_sensor,
+    sensor_drift,
+    unbow,
+)
+from valvemodel.stages.slip import STOP_SPEED
+from valvemodel.stages.stem import STUCK, put_stem, rest_stem
 
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
 
 ROUNDING = 1e-12
 """Periods that differ by less are equal but for the rounding of their times. [s]"""
+
+PART_GROWTH = 0.02
+"""Part length over the time since the drive was switched, while the pressure moves."""
+
+PART_STRETCH = 1.5
+"""Parts are lengthened when they could be longer by this factor."""
+
+ROUNDING_SHARE = 1e-6
+"""Parts that differ by less than this share are equal but for rounding."""
 
 MOST_EVENTS = 100_000
 """Events within one period beyond which a stem is taken to be at rest; a guard, never reached by sound parameters."""
@@ -34,7 +51,24 @@ def has_pressure_dynamics(p):
         or p.vent_time > 0.0
         or p.filling_slowness > 0.0
         or p.droop_gain > 0.0
+        or p.droop_consumption > 0.0
     )
+
+
+@compiled
+def plan_run(p, state, driven_by, substep):
+    """Write down once a run what does not change during it."""
+    plan_stem(p, state)
+    state.lag_duration = -1.0
+    state.delayed = -1.0
+    state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
+    longest = longest_hold(p, substep)
+    if p.gap_drift_rate != 0.0 and driven_by == CURRENT:
+        longest = min(longest, DRIFT_HOLD)
+    if state.plan_moving == 1.0:
+        longest = min(longest, substep)
+    state.plan_longest = longest
+    state.plan_current = driven_by == CURRENT
 
 
 @compiled
@@ -48,21 +82,31 @@ def start_chain(p, state, drive, driven_by, time):
         state.pressure = drive
     if math.isnan(p.start_position):
         rest_stem(p, state, state.pressure, time)
-        put_stem(p, state, state.position, state.pressure, time)
     else:
         put_stem(p, state, unbow(p, p.start_position - sensor_drift(p, time)), state.pressure, time)
     rest_sensor(p, state)
 
 
-@compiled
+@inlined
 def move_stem(p, state, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
+    if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
+        follow_steadily(p, state)
+    else:
+        move_by_events(p, state, pressure, time, duration, tolerance)
+
+
+@compiled
+def move_by_events(p, state, pressure, time, duration, tolerance):
+    """Move stem and sensor through a duration, from event to event."""
     used = 0.0
     for _ in range(MOST_EVENTS):
         left = duration - used
         if left <= 0.0:
             return
         before = state.position
+        state.trace_velocity = state.trace_acceleration = 0.0
+        state.trace_next_velocity = state.trace_next_acceleration = 0.0
         step = advance_stem(p, state, pressure, time + used, left, tolerance)
         follow_stem(p, state, before, state.position, step)
         used += step
@@ -70,47 +114,60 @@ def move_stem(p, state, pressure, time, duration, tolerance):
     state.mode = STUCK
 
 
-@compiled
-def hold_current(p, state, current, time, duration, substep, tolerance):
-    """Hold a current at the electromagnet for a duration, in parts while the pressure moves."""
-    parts = 1
-    if has_pressure_dynamics(p):
-        parts = min(max(int(math.ceil(duration / substep - 1e-9)), 1), 200)
-    part = duration / parts
-    for index in range(parts):
-        instant = time + index * part
-        effective = advance_flux(p, state, current, part)
-        gap = gap_of_current(p, effective, instant + 0.5 * part)
-        pressure = advance_nozzle(p, state, gap, effective, part)
-        move_stem(p, state, pressure, instant, part, tolerance)
+@inlined
+def hold_drive(p, state, drive, time, duration, tolerance):
+    """Hold a current at the electromagnet, and the mean pressure that it gives at the stem; or hold a pressure."""
+    pressure = drive
+    if state.plan_current == 1.0:
+        effective = advance_flux(p, state, drive, duration)
+        gap = gap_of_current(p, effective, time + 0.5 * duration)
+        pressure = advance_nozzle(p, state, gap, effective, duration)
+    else:
+        state.pressure = drive
+    move_stem(p, state, pressure, time, duration, tolerance)
 
 
 @compiled
-def hold_period(p, state, time, drive, period, driven_by, substep, tolerance):
-    """Move the chain from one sample to the next.
+def hold_in_parts(p, state, drive, time, duration, tolerance):
+    """Hold a drive in parts while the pressure or the forces move.
 
-    A transport delay shifts the breakpoints of the current: they fall inside the periods.
+    Parts grow with the time since the drive was switched: what moves has then come nearer to its rest.
     """
-    start, end = time[period], time[period + 1]
-    if abs(end - start - state.period) > ROUNDING:
-        state.period = end - start
-    if driven_by == PRESSURE:
-        state.pressure = drive[period]
-        move_stem(p, state, drive[period], start, state.period, tolerance)
-        return
-    delay = p.transport_delay
-    if delay == 0.0:
-        hold_current(p, state, drive[period], start, state.period, substep, tolerance)
-        return
-    index = period
-    while index >= 0 and time[index] + delay > start + 1e-12:
-        index -= 1
-    instant = start
-    while instant < end - 1e-12:
-        following = min(time[index + 1] + delay, end) if index < period else end
-        hold_current(p, state, drive[max(index, 0)], instant, following - instant, substep, tolerance)
+    used, part = 0.0, 0.0
+    while used < duration:
+        left = duration - used
+        aim = state.plan_longest
+        if state.plan_moving == 1.0:
+            aim = max(aim, PART_GROWTH * used)
+        # Equal parts but for growth and rounding, so that their closed form is computed once.
+        if part == 0.0 or aim > PART_STRETCH * part or left < part * (1.0 - ROUNDING_SHARE):
+            part = left / max(math.ceil(left / aim - ROUNDING_SHARE), 1.0)
+        is_last = left < part * (1.0 + ROUNDING_SHARE)
+        hold_drive(p, state, drive, time + used, part, tolerance)
+        used = duration if is_last else used + part
+
+
+@compiled
+def hold_delayed(p, state, time, drive, period, tolerance):
+    """Move the chain from one sample to the next behind a transport delay.
+
+    It shifts the breakpoints of the current: they fall inside the periods.
+    """
+    delay, end = p.transport_delay, time[period + 1]
+    index = int(state.delayed)
+    instant = time[period]
+    while True:
+        # A breakpoint at a sample but for rounding acts there.
+        while index < period and time[index + 1] + delay <= instant + ROUNDING:
+            index += 1
+        following = end
+        if index < period and time[index + 1] + delay < end - ROUNDING:
+            following = time[index + 1] + delay
+        hold_in_parts(p, state, drive[max(index, 0)], instant, following - instant, tolerance)
+        if following == end:
+            break
         instant = following
-        index += 1
+    state.delayed = index
 
 
 @compiled
@@ -153,7 +210,10 @@ def run_chain(rows, states, time, drive, anchors, driven_by, substep, tolerance,
     """
     for row in range(rows.shape[0]):
         p, state = rows[row], states[row]
+        plan_run(p, state, driven_by, substep)
         start_chain(p, state, drive[0], driven_by, time[0])
+        is_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
+        period = -1.0
         for sample in range(time.shape[0]):
             if anchors.shape[0] > 0 and not math.isnan(anchors[sample]):
                 anchor_stem(p, state, anchors[sample], time[sample])
@@ -161,8 +221,18 @@ def run_chain(rows, states, time, drive, anchors, driven_by, substep, tolerance,
             if pressures.shape[0] > 0:
                 pressures[row, sample] = state.pressure
                 modes[row, sample] = mode_of(state)
-            if sample + 1 < time.shape[0]:
-                hold_period(p, state, time, drive, sample, driven_by, substep, tolerance)
+            if sample + 1 == time.shape[0]:
+                break
+            if is_delayed:
+                hold_delayed(p, state, time, drive, sample, tolerance)
+                continue
+            duration = time[sample + 1] - time[sample]
+            if abs(duration - period) > ROUNDING:
+                period = duration
+            if period <= state.plan_longest:
+                hold_drive(p, state, drive[sample], time[sample], period, tolerance)
+            else:
+                hold_in_parts(p, state, drive[sample], time[sample], period, tolerance)
 
 
 NONE = np.zeros((0, 0))

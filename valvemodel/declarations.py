@@ -39,7 +39,8 @@ class Parameter:
     prior_spread: float = 1.0
 
     def __post_init__(self) -> None:
-        assert self.name.isidentifier() and self.name == self.name.lower(), self.name
+        assert self.name.isidentifier(), self.name
+        assert self.name == self.name.lower(), self.name
         assert self.low < self.high, f"{self.name}: bounds {self.low}..{self.high}"
         assert self.scale in ("linear", "log"), self.name
         assert self.scale == "linear" or self.low > 0, f"{self.name}: a log scale needs positive bounds"
@@ -55,10 +56,10 @@ class Effect:
     """A physical effect that the base model lacks, complete: nothing else holds a list of its names.
 
     The effect is absent, to the last bit, while all its parameters are at their neutral values. `is_jagged` says that
-    the error of a fit has many minima, so that a search must be global; `is_chaotic` that a free run soon loses the phase
-    of its slips, so that a fit must be re-anchored on the measured position. `is_one_of` says that one parameter at a time
-    acts, the others staying neutral. `aliases` are the effects (or `none`) whose trace comes close in current and
-    position; `told_apart_by` is what would tell them apart.
+    the error of a fit has many minima, so that a search must be global; `is_chaotic` that a free run soon loses the
+    phase of its slips, so that a fit must be re-anchored on the measured position. `is_one_of` says that one parameter
+    at a time acts, the others staying neutral. `aliases` are the effects (or `none`) whose trace comes close in
+    current and position; `told_apart_by` is what would tell them apart.
     """
 
     key: str
@@ -76,7 +77,7 @@ class Effect:
 
     def __post_init__(self) -> None:
         assert self.stage in STAGES, f"{self.key}: stage {self.stage}"
-        assert self.source and self.meaning and self.equation, f"{self.key}: meaning, equation and source"
+        assert all((self.source, self.meaning, self.equation)), f"{self.key}: meaning, equation and source"
         assert self.parameters, f"{self.key}: at least one parameter"
         assert all(parameter.starts for parameter in self.parameters), f"{self.key}: starts"
 

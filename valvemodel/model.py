@@ -60,7 +60,11 @@ class Model:
         object.__setattr__(self, "effects", MappingProxyType(effects))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Model, (self.name, dict(self.values), {key: dict(values) for key, values in self.effects.items()})
+        return Model, (
+            self.name,
+            dict(self.values),
+            {key: dict(values) for key, values in self.effects.items()},
+        )
 
     def with_effect(self, key: str, **values: float) -> Model:
         """Return the model with an effect switched on or changed."""
@@ -178,6 +182,8 @@ def _number(path: Path, name: str, entry: Any) -> float:
     value = entry.get("value") if isinstance(entry, dict) else None
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise InputError(
-            "each number of a model file is a table with a value", f"{path}: {name} is {entry!r}", "write it anew"
+            "each number of a model file is a table with a value",
+            f"{path}: {name} is {entry!r}",
+            "write it anew",
         )
     return float(value)

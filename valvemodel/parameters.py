@@ -36,10 +36,15 @@ STATE = np.dtype(
         for name in (
             "flux_current", "hysteresis", "hysteresis_input",
             "droop", "supplied_pressure", "chamber_pressure", "filled_pressure", "pressure",
-            "position", "velocity", "mode", "bristle",
-            "linkage", "lagged_reading", "period",
-            "known_mass", "known_damping", "known_stiffness", "known_duration",
+            "position", "velocity", "mode", "bristle", "trial_step",
+            "linkage", "lagged_reading", "delayed",
+            "plan_linear", "plan_steady", "plan_moving", "plan_current", "plan_longest",
+            "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
+            "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
+            "known_damping", "known_stiffness", "known_duration",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
+            "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
+            "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
         )
     ]
 )  # fmt: skip

@@ -103,12 +103,16 @@ def simulate(
 def _check_input(time: np.ndarray, current: np.ndarray) -> None:
     if time.ndim != 1 or time.shape != current.shape or len(time) == 0:
         raise InputError(
-            "time and current are two rows of equal length", f"got shapes {time.shape} and {current.shape}", "cut one"
+            "time and current are two rows of equal length",
+            f"got shapes {time.shape} and {current.shape}",
+            "cut one",
         )
     if not np.all(np.diff(time) > 0.0):
         row = int(np.argmin(np.diff(time)))
         raise InputError(
-            "time must increase", f"row {row + 1} has {time[row + 1]} s after {time[row]} s", "sort or drop the row"
+            "time must increase",
+            f"row {row + 1} has {time[row + 1]} s after {time[row]} s",
+            "sort or drop the row",
         )
     bad = ~np.isfinite(current) | (current < 0.0)
     if bad.any():

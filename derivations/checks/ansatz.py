@@ -187,8 +187,7 @@ def _open(paper: Paper, equation: str) -> Verdict:
         "d(i/X)/dt = b for any X(t): i = X*(b*t + c)",
         (
             f"one equation, two unknown functions: i(t) and {'x(t)' if equation == '29' else 'X(t)'}",
-            f"right sign: i = X(t) (b t + c) leaves {label(left[RIGHT])}: it holds for any X(t), as "
-            "d(i/X)/dt = b",
+            f"right sign: i = X(t) (b t + c) leaves {label(left[RIGHT])}: it holds for any X(t), as d(i/X)/dt = b",
             "printed sign: i X = b integral(X^2) dt + c leaves "
             f"{label(left[printed_sign(paper)])}: it holds for any X(t) as well, so this does not "
             "hinge on the sign",
@@ -196,8 +195,7 @@ def _open(paper: Paper, equation: str) -> Verdict:
                 f"X = {label(gap)}, i = {label(i)}: d(i/X)/dt = b is {ok}"
                 for gap, i, ok in zip(samples, currents, met, strict=True)
             ),
-            "three different curves i-X from one coil: v and n are shapes of an ansatz, not constants "
-            "of the coil",
+            "three different curves i-X from one coil: v and n are shapes of an ansatz, not constants of the coil",
         ),
         "The circuit alone does not determine i-x; that takes the force balance of the armature.",
     )
@@ -219,6 +217,5 @@ def _start(paper: Paper) -> Verdict:
             "(22) and the words 'when the I/P converter is not working' need x = 0 there",
             "the ansatz X = n t^(v-1) starts at X = 0; x = 0 is X = L_m/(2 sigma)",
         ),
-        "X starts at L_m/(2 sigma), which no X = n t^(v-1) does at t = 0; the constant c of the "
-        "solution is missing.",
+        "X starts at L_m/(2 sigma), which no X = n t^(v-1) does at t = 0; the constant c of the solution is missing.",
     )

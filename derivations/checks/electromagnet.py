@@ -47,9 +47,7 @@ def verdicts(paper: Paper) -> Iterator[Verdict]:
 
 def _rest_state(paper: Paper) -> Verdict:
     """With U fixed and R_s = 0 nothing can rest: set all rates to zero in (20)."""
-    rate = electromagnet.current_rate_of_flux(
-        electromagnet.flux_by_current(), electromagnet.flux_by_air_gap()
-    )
+    rate = electromagnet.current_rate_of_flux(electromagnet.flux_by_current(), electromagnet.flux_by_air_gap())
     still = rate.subs({symbol("w"): 0, symbol("R_s"): 0})
     rests = sp.solve(sp.Eq(still, 0), symbol("i"))
     numbers = paper.numbers()
@@ -91,8 +89,7 @@ def _core_drop(paper: Paper) -> Verdict:
         "H_m L_m = phi L_m/(mu_0 mu_r S), small beside phi_delta R for iron",
         (
             f"H_m L_m over i N with (22)-(24) as printed: {label(share)}",
-            f"Table 2 at x = delta_max: the core takes {100 * value:.1f} % of the ampere turns, the "
-            "gap the rest",
+            f"Table 2 at x = delta_max: the core takes {100 * value:.1f} % of the ampere turns, the gap the rest",
             "in a magnet of iron it is the other way round: the core has the permeability of air here",
         ),
         "L_m stands where L_m/mu_r belongs, see (24).",
@@ -113,8 +110,7 @@ def _reluctance(paper: Paper) -> Verdict:
         paper["22"].text,
         f"R = {label(derived)}",
         (
-            "reluctance of an air gap: length over permeability and area; the flux crosses two gaps "
-            "of length x",
+            "reluctance of an air gap: length over permeability and area; the flux crosses two gaps of length x",
             f"letters that the paper uses nowhere else: {named or 'none'}",
             wrong or "the dimensions agree",
             f"with mu_0 for {named or 'nothing'} printed less derived is 0: {is_equal(repaired, derived)}",
@@ -194,8 +190,7 @@ def _permeability(paper: Paper) -> Verdict:
         (
             f"(24) has no mu_r: {is_of_air}; with it (21)-(24) give i N mu_0 S/phi = {label(path)}",
             f"the factor of L_m is {label(of_length)}, printed 1",
-            f"(31) has L_m/(2 sigma) in the gap at no current: {shift * 1e3:.1f} mm, delta_max is "
-            f"{opened * 1e3:g} mm",
+            f"(31) has L_m/(2 sigma) in the gap at no current: {shift * 1e3:.1f} mm, delta_max is {opened * 1e3:g} mm",
             f"with mu_r = {iron:g} it would be {shift / iron * 1e3:.3f} mm",
         ),
         "B = mu_0 mu_r H_m in the core, so L_m/mu_r stands where (21), (25), (31) have L_m.",
@@ -210,8 +205,7 @@ def _flux_slope(paper: Paper) -> Verdict:
         (
             f"(25): phi = {label(electromagnet.coil_flux())}",
             f"differentiated by x: {label(electromagnet.flux_by_air_gap())}",
-            "a wider gap carries less flux: the derivative is negative: "
-            f"{electromagnet.flux_by_air_gap().is_negative}",
+            f"a wider gap carries less flux: the derivative is negative: {electromagnet.flux_by_air_gap().is_negative}",
         ),
         "d phi/dx = - 2 sigma N mu_0 S i/(L_m + 2 sigma x)^2.",
     )

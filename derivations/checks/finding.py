@@ -41,9 +41,7 @@ def compared(
     )
 
 
-def stated(
-    paper: Paper, equation: str, why: str, *, is_met: bool = True, otherwise: str = "sign error"
-) -> Verdict:
+def stated(paper: Paper, equation: str, why: str, *, is_met: bool = True, otherwise: str = "sign error") -> Verdict:
     """Judge an equation that the paper states, not derives, by its dimensions and one fact."""
     printed = paper[equation]
     wrong = fault(printed.left, printed.right)

@@ -42,12 +42,7 @@ def _pressure(paper: Paper) -> Verdict:
 def _constants(paper: Paper) -> Verdict:
     """Put C, D, E, F back into (33) and compare its force with S_1 times (32)."""
     letters = {symbol(f"{letter}_33"): paper[f"33-{letter}"].right for letter in "CDEF"}
-    force = (
-        paper["33"].right.args[0].expr
-        + symbol("F_c")
-        + symbol("k") * symbol("y")
-        + symbol("v") * symbol("f_v")
-    )
+    force = paper["33"].right.args[0].expr + symbol("F_c") + symbol("k") * symbol("y") + symbol("v") * symbol("f_v")
     area = symbol("S_1")
     # (a^p i^p) for (a i)^p, so that both sides have the same powers
     spread = [

@@ -25,12 +25,8 @@ def verdicts(paper: Paper) -> Iterator[Verdict]:
     yield _choked(paper, "8", "orifice")
     yield _nozzle(paper)
     yield _choked(paper, "9", "nozzle")
-    yield compared(
-        paper, "10", nozzle.disc_area(), ("area of a disc: integral of 2 pi r dr from 0 to D_1/2",)
-    )
-    yield compared(
-        paper, "11", nozzle.curtain_area(), ("area of the curtain: integral of delta D_2/2 over the angle",)
-    )
+    yield compared(paper, "10", nozzle.disc_area(), ("area of a disc: integral of 2 pi r dr from 0 to D_1/2",))
+    yield compared(paper, "11", nozzle.curtain_area(), ("area of the curtain: integral of delta D_2/2 over the angle",))
     yield _curtain(paper)
     yield stated(paper, "12", "the flapper's travel closes the gap")
     yield _travel(paper)
@@ -56,8 +52,7 @@ def _density(paper: Paper) -> Verdict:
             f"{(high + ATMOSPHERE) / 1e3:.1f} kPa absolute over the converter's range",
             f"the densities differ by a factor {ratios[1]:.2f}..{ratios[0]:.2f}",
         ),
-        "Mass is kept, so (8) and (9) need two densities; with one, K takes up the difference at one "
-        "pressure only.",
+        "Mass is kept, so (8) and (9) need two densities; with one, K takes up the difference at one pressure only.",
     )
 
 
@@ -141,8 +136,7 @@ def _curtain(paper: Paper) -> Verdict:
         (
             f"the curtain is as wide as the bore at delta = {label(limit)} = {wide * 1e3:.2f} mm",
             f"delta_max = {opened * 1e3:g} mm is within: {bool(opened <= wide)}",
-            f"but (31) puts the gap at no current at {offset * 1e3:.1f} mm, {float(offset / wide):.0f} "
-            "times too far",
+            f"but (31) puts the gap at no current at {offset * 1e3:.1f} mm, {float(offset / wide):.0f} times too far",
         ),
         "A_2 is the smaller of pi D_2 delta and pi D_2^2/4; with (31) and Table 2 the gap is outside.",
     )
@@ -166,11 +160,9 @@ def _travel(paper: Paper) -> Verdict:
             f"force along x: -d(phi_delta^2 R/2)/dx = {label(force)}, an attraction: x shrinks as i grows",
             f"(12): d delta/dx = {label(opening)}, so delta grows",
             f"(16): dP_b/d delta = {label(pressure)} < 0, so P_b falls and the stem goes down",
-            f"sign of dP_b/di = {label(step)}; the text says: with more current "
-            f"{paper.sentences['rising current']}",
+            f"sign of dP_b/di = {label(step)}; the text says: with more current {paper.sentences['rising current']}",
         ),
-        "Two lengths are needed, tied so that the magnet closes the nozzle, and the armature's force "
-        "balance.",
+        "Two lengths are needed, tied so that the magnet closes the nozzle, and the armature's force balance.",
     )
 
 
@@ -179,8 +171,7 @@ def _gauge(paper: Paper) -> Verdict:
     return stated(
         paper,
         "14",
-        f"the nozzle blows into the atmosphere; both drops add to {label(total)}, so the atmosphere is "
-        "0: gauge",
+        f"the nozzle blows into the atmosphere; both drops add to {label(total)}, so the atmosphere is 0: gauge",
         is_met=bool(total == symbol("P_1")),
     )
 
@@ -194,8 +185,7 @@ def _chamber(paper: Paper) -> Verdict:
             f"(8) as it should be, with (10), (13): Q_1 = {label(nozzle.orifice_flow())}",
             f"(9) with (11), (14): Q_2 = {label(nozzle.nozzle_flow())}",
             "(7): Q_b = Q_1 - Q_2",
-            f"over Q_1 at P_b = 0 it is {label(nozzle.normalised_inflow())} with K = "
-            f"{label(nozzle.flow_ratio())}",
+            f"over Q_1 at P_b = 0 it is {label(nozzle.normalised_inflow())} with K = {label(nozzle.flow_ratio())}",
         ),
     )
 
@@ -208,8 +198,7 @@ def _rest(paper: Paper) -> Verdict:
         nozzle.static_pressure(),
         (
             "(15) with Q_b = 0: Q_1 = Q_2, both squared, is linear in P_b; solved for P_b",
-            f"with K = {label(nozzle.flow_ratio())} it reads P_b = "
-            f"{label(nozzle.static_pressure_by_ratio())}",
+            f"with K = {label(nozzle.flow_ratio())} it reads P_b = {label(nozzle.static_pressure_by_ratio())}",
             f"Table 2: K = {ratio:.5g} 1/m^2",
         ),
     )

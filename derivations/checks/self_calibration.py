@@ -21,9 +21,7 @@ def verdicts(paper: Paper) -> Iterator[Verdict]:
     yield _controller(paper, "34")
     yield _slope(paper, "35", {})
     yield _slope(paper, "36", _FALLING)
-    yield compared(
-        paper, "37", self_calibration.mean_slope(), ("the slope nearest to k_1 and k_2 by least squares",)
-    )
+    yield compared(paper, "37", self_calibration.mean_slope(), ("the slope nearest to k_1 and k_2 by least squares",))
     yield _intercept(paper, "38", {})
     yield _intercept(paper, "39", _FALLING)
     yield _width(paper)
@@ -67,8 +65,7 @@ def _slope(paper: Paper, equation: str, letters: dict) -> Verdict:
         (
             "mean of the two secants through three records",
             f"step 3 asks for a linear fit; least squares less this, currents evenly spaced: {label(gap)}",
-            f"currents spaced 1 to 2: {label(skew)}, so there it is not the best fit, though exact on "
-            "a straight line",
+            f"currents spaced 1 to 2: {label(skew)}, so there it is not the best fit, though exact on a straight line",
         ),
     )
 
@@ -98,8 +95,7 @@ def base_lines() -> dict[str, tuple[sp.Expr, sp.Expr]]:
     width = self_calibration.loop_width()
     lines = {"rising branch": up, "falling branch": down, "mean line": (up + down) / 2}
     return {
-        name: (sp.simplify((up - line) / width), sp.simplify((line - down) / width))
-        for name, line in lines.items()
+        name: (sp.simplify((up - line) / width), sp.simplify((line - down) / width)) for name, line in lines.items()
     }
 
 
@@ -144,9 +140,7 @@ def _calibrated_current(paper: Paper) -> Verdict:
         (
             *(f"i is {name}: u' = {label(value)}" for name, value in readings.items()),
             f"the two differ by {label(difference)}",
-            "the text says both 'the current i' and 'the control current signal can be calculated' "
-            "from the line",
+            "the text says both 'the current i' and 'the control current signal can be calculated' from the line",
         ),
-        "Whether i in i_SC is a feedforward or the PID's output has to be said; the toolkit takes the "
-        "feedforward.",
+        "Whether i in i_SC is a feedforward or the PID's output has to be said; the toolkit takes the feedforward.",
     )

@@ -47,8 +47,7 @@ def _preload(paper: Paper) -> Verdict:
         paper["3"].text,
         "F_k = -k*y_1 - F_0",
         (
-            f"(3) at y = 0 gives F_k = {label(at_rest)}: the stem lifts off at F_c/S_1 = "
-            f"{lift / 1e3:.1f} kPa",
+            f"(3) at y = 0 gives F_k = {label(at_rest)}: the stem lifts off at F_c/S_1 = {lift / 1e3:.1f} kPa",
             f"Table 1 starts the actuator at {start / 1e3:g} kPa of {start / 1e3:g}..{end / 1e3:g} kPa",
             f"so the spring is pressed by S_1 * {start / 1e3:g} kPa = {needed:.0f} N at y = 0",
             f"with that preload the text's y = {position} m would need {pressure / 1e3:.1f} kPa, "

@@ -42,8 +42,7 @@ def _ranges(paper: Paper) -> Verdict:
             f"the converter ends at {most / 1e3:g} kPa, the actuator at {high / 1e3:g} kPa: "
             f"{100 * covered:.0f} % of the travel can be reached",
         ),
-        "A converter for this actuator has to cover 80..240 kPa; this pair has a dead start and no "
-        "full travel."
+        "A converter for this actuator has to cover 80..240 kPa; this pair has a dead start and no full travel."
         if not is_covered
         else "",
     )
@@ -111,8 +110,7 @@ def _damping(paper: Paper) -> Verdict:
     if odd is not None:
         mended = odd.amount * odd.right_factor
         steps += [
-            f"f_v = {paper.table_2['f_v'].digits} kg/s is {odd.amount:g} lb (mass) per s, "
-            f"{odd.exact:.4f} kg/s",
+            f"f_v = {paper.table_2['f_v'].digits} kg/s is {odd.amount:g} lb (mass) per s, {odd.exact:.4f} kg/s",
             f"{odd.amount:g} lbf s/in, the unit that goes with the others, is {mended:.1f} N s/m: "
             f"damping ratio {damping_ratio(paper, mended):.2f}",
             f"chance that a number of that precision is round by accident: {100 * odd.chance:.0f} %; "
@@ -125,8 +123,7 @@ def _damping(paper: Paper) -> Verdict:
         f"f_v = {paper.table_2['f_v'].digits} kg/s",
         mended_text,
         steps,
-        f"By inference {mended_text} (3.5 lbf s/in); the printed value takes pounds of force for "
-        "pounds of mass."
+        f"By inference {mended_text} (3.5 lbf s/in); the printed value takes pounds of force for pounds of mass."
         if is_pounds
         else "",
     )
@@ -171,8 +168,7 @@ def _figure(paper: Paper) -> Verdict:
         (
             "(31) and (16) with Table 2, v = 2",
             *(_told(one, currents) for one in all_sweeps),
-            f"readings that reach a gap within delta_max = {widest * 1e3:g} mm: {len(reached)} of "
-            f"{len(all_sweeps)}",
+            f"readings that reach a gap within delta_max = {widest * 1e3:g} mm: {len(reached)} of {len(all_sweeps)}",
         ),
         "Gap offset and gain have to be found from measured points; the set `calibrated` does that.",
     )
@@ -203,6 +199,5 @@ def _difference(paper: Paper) -> Verdict:
         f"E = {printed:.4f} m/sqrt(A) (n = 1)",
         f"E = {right:.4f} m/sqrt(A) (n = 1)",
         (f"the sign of (27) puts the factor {factor} before n in (31)", *steps),
-        "The right sign makes E smaller by sqrt(3) and the needed currents 3 times larger: still "
-        "further from 20 mA.",
+        "The right sign makes E smaller by sqrt(3) and the needed currents 3 times larger: still further from 20 mA.",
     )

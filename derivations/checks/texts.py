@@ -65,8 +65,7 @@ def _condition(paper: Paper, state: str) -> Verdict:
         label(right),
         (
             wrong or "both sides have the same dimension",
-            f"with the velocity it reads {label(of_speed)} and lets in the branches of (33): "
-            f"{', '.join(selected)}",
+            f"with the velocity it reads {label(of_speed)} and lets in the branches of (33): {', '.join(selected)}",
             f"the stem is {wanted} in this state: the branch is {label(right)}",
         ),
         f"The condition is {label(right)}, with the velocity.",
@@ -84,10 +83,7 @@ def _never_moves(paper: Paper) -> Verdict:
         "not reproducible" if is_stuck else "holds",
         "with more current the stem rises along curve 1",
         f"S_1 P_b <= {max(forces.values()):.2g} N against F_c = {friction:g} N: the stem does not move",
-        tuple(
-            f"n = {n:g}: S_1 P_b at 20 mA = {force:.2g} N, F_c = {friction:g} N"
-            for n, force in forces.items()
-        ),
+        tuple(f"n = {n:g}: S_1 P_b at 20 mA = {force:.2g} N, F_c = {friction:g} N" for n, force in forces.items()),
         "With Table 2 and (31) the stem never leaves y = 0; Figures 5 and 6 come from other numbers.",
     )
 
@@ -108,8 +104,7 @@ def _point(paper: Paper, state: str, name: str) -> Verdict:
         (
             f"{word} to rest: S_1 P_b - k y {'-' if direction > 0 else '+'} F_c = 0 gives P_b = "
             f"{pressure / 1e3:.1f} kPa",
-            f"the converter of Table 1 gives {low / 1e3:g}..{high / 1e3:g} kPa: "
-            f"{'outside' if is_beyond else 'inside'}",
+            f"the converter of Table 1 gives {low / 1e3:g}..{high / 1e3:g} kPa: {'outside' if is_beyond else 'inside'}",
             f"(31), (16) with Table 2 give at most {most:.2g} Pa over the sweep",
         ),
         f"This position needs {pressure / 1e3:.1f} kPa, "
@@ -164,11 +159,7 @@ def factors_for_points(paper: Paper) -> dict[str, float]:
     for name in ("upper point", "lower point"):
         current, position, direction = paper.sentences[name]
         gap = gap_at(paper, pressure_at(paper, position, direction))
-        law = (
-            paper["31"]
-            .right.subs(symbol("nu"), paper.sentences["exponent v"])
-            .subs(symbol("b"), rate_slope())
-        )
+        law = paper["31"].right.subs(symbol("nu"), paper.sentences["exponent v"]).subs(symbol("b"), rate_slope())
         numbers = {letter: value for letter, value in paper.numbers().items() if letter != symbol("n")}
         equation = sp.Eq(law.subs(symbol("i"), current).subs(numbers), sp.Float(gap))
         # Rounding makes the solver distrust its own root, so it is not asked to check it.
@@ -192,10 +183,8 @@ def _points(paper: Paper) -> Verdict:
                 f"{gap_at(paper, pressure_at(paper, *paper.sentences[name][1:])) * 1e6:.2f}e-6 m by (16)"
                 for name in needed
             ),
-            f"(31) with Table 2 needs n = {upper:.3f} at the upper and {lower:.3f} at the lower point: "
-            "no n fits both",
-            f"delta = c0 - E sqrt(i) through both: c0 = {offset * 1e6:.2f}e-6 m, E = "
-            f"{gain * 1e6:.1f}e-6 m/sqrt(A)",
+            f"(31) with Table 2 needs n = {upper:.3f} at the upper and {lower:.3f} at the lower point: no n fits both",
+            f"delta = c0 - E sqrt(i) through both: c0 = {offset * 1e6:.2f}e-6 m, E = {gain * 1e6:.1f}e-6 m/sqrt(A)",
             f"(31) allows no c0 below delta_max = {opened * 1e6:g}e-6 m: outside: {offset < opened}",
         ),
         "No n fits the text's two points; they need c0 and E of their own, outside (31).",
@@ -212,9 +201,7 @@ def _figure(paper: Paper) -> Verdict:
         "holds" if best == number else "misprint",
         f"{subject} is shown in Figure {number}",
         f"{subject} is shown in Figure {best}",
-        tuple(
-            f"Figure {key}, '{caption}': {alike[key]} words in common" for key, caption in captions.items()
-        ),
+        tuple(f"Figure {key}, '{caption}': {alike[key]} words in common" for key, caption in captions.items()),
         f"The experimental platform is Figure {best}.",
     )
 

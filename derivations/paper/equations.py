@@ -43,9 +43,7 @@ def _stem() -> Iterator[Printed]:
 
 def _nozzle() -> Iterator[Printed]:
     Q_1, Q_2, Q_b, C_1, C_2, A_1, A_2, rho = symbols("Q_1 Q_2 Q_b C_q1 C_q2 A_1 A_2 rho")
-    dP_1, dP_2, P_1, P_b, D_1, D_2, delta, delta_max, x = symbols(
-        "dP_1 dP_2 P_1 P_b D_1 D_2 delta delta_max x"
-    )
+    dP_1, dP_2, P_1, P_b, D_1, D_2, delta, delta_max, x = symbols("dP_1 dP_2 P_1 P_b D_1 D_2 delta delta_max x")
     yield Printed("7", Q_1, Q_2 + Q_b)
     yield Printed("8", Q_1, C_1 * A_1 * sp.sqrt(2 / rho) * dP_1)
     yield Printed("9", Q_2, C_2 * A_2 * sp.sqrt(2 / rho * dP_2))
@@ -69,9 +67,7 @@ def _circuit() -> Iterator[Printed]:
 
 
 def _flux() -> Iterator[Printed]:
-    i, N, phi, phi_delta, R, H_m, L_m, x, S, sigma, mu_0 = symbols(
-        "i N phi phi_delta R H_m L_m x S sigma mu_0"
-    )
+    i, N, phi, phi_delta, R, H_m, L_m, x, S, sigma, mu_0 = symbols("i N phi phi_delta R H_m L_m x S sigma mu_0")
     B, phi_i, phi_x, i_t, w, U, R_s = symbols("B phi_i phi_x i_t w U R_s")
     u_0 = sp.Symbol("u_0", positive=True)  # printed so; not in the glossary
     yield Printed("21", i * N, phi_delta * R + H_m * L_m)

@@ -66,9 +66,7 @@ class Paper:
     def numbers(self, **more: float) -> dict[sp.Symbol, Any]:
         """Table 2 and the magnetic constant by symbol, with further letters set."""
         given = {symbol(letter): entry.value for letter, entry in self.table_2.items()}
-        return (
-            given | {symbol("mu_0"): MAGNETIC_CONSTANT} | {symbol(key): value for key, value in more.items()}
-        )
+        return given | {symbol("mu_0"): MAGNETIC_CONSTANT} | {symbol(key): value for key, value in more.items()}
 
     def with_equation(self, equation: str, right: sp.Basic) -> Paper:
         """Return a paper that prints another right side."""

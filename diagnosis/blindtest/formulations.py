@@ -124,9 +124,7 @@ ELECTROMAGNET = {
     ),
     "coil_lag": (
         Formulation("inductance", _nothing, "time_constant", 0.03, 1.0),
-        Formulation(
-            "inductance_and_eddy_currents", _between(eddy_share=(0.05, 0.2)), "time_constant", 0.03, 1.0
-        ),
+        Formulation("inductance_and_eddy_currents", _between(eddy_share=(0.05, 0.2)), "time_constant", 0.03, 1.0),
     ),
     "gap_drift": _creeps("gap_change", 0.1e-6, 6e-6),
 }
@@ -205,9 +203,7 @@ STEM = {
     ),
     "position_dependent_friction": (
         Formulation("gaussian", _between(centre=(0.07, 0.19), width=(0.006, 0.02)), "height", 0.15, 4.0),
-        Formulation(
-            "raised_cosine", _between(centre=(0.07, 0.19), width=(0.015, 0.045)), "height", 0.15, 4.0
-        ),
+        Formulation("raised_cosine", _between(centre=(0.07, 0.19), width=(0.015, 0.045)), "height", 0.15, 4.0),
     ),
     "pressure_dependent_friction": (
         Formulation("linear", _with_supply, "growth", 0.1, 3.0),

@@ -223,9 +223,7 @@ def write_demo(path: Path) -> list[Path]:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Make the demo records from the command line."""
     parser = argparse.ArgumentParser(prog="python -m diagnosis.blindtest.plants", description=__doc__)
-    parser.add_argument(
-        "--demo", type=Path, required=True, metavar="OUT.csv", help="where to write the record"
-    )
+    parser.add_argument("--demo", type=Path, required=True, metavar="OUT.csv", help="where to write the record")
     for path in write_demo(parser.parse_args(arguments).demo):
         print(path)
 

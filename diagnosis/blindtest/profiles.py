@@ -85,9 +85,7 @@ KINDS: dict[str, Callable[[np.random.Generator, Array], Array]] = {
 }
 
 
-def draw_profile(
-    seed: int, *, duration: float = 150.0, rate: float = 50.0, kind: str = "mixed"
-) -> tuple[Array, Array]:
+def draw_profile(seed: int, *, duration: float = 150.0, rate: float = 50.0, kind: str = "mixed") -> tuple[Array, Array]:
     """Draw a test's current, held through each sample period.
 
     Parameters

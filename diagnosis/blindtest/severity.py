@@ -53,16 +53,12 @@ def scale_of(base: Mapping[str, float], seed: int) -> Scale:
     """Simulate a base valve and its sensitivities under a test profile."""
     time, current = draw_profile(seed)
     trace = _trace(base, time, current, ())
-    columns = [
-        _trace({**base, name: base[name] * (1 + PROBE)}, time, current, ()) - trace for name in REFITTED
-    ]
+    columns = [_trace({**base, name: base[name] * (1 + PROBE)}, time, current, ()) - trace for name in REFITTED]
     directions, _ = np.linalg.qr(np.stack(columns, axis=1))
     return Scale(base, time, current, trace, directions)
 
 
-def sized(
-    truth: Truth, formulation: Formulation, scale: Scale, *, noise: float, target: float, floor: float
-) -> Truth:
+def sized(truth: Truth, formulation: Formulation, scale: Scale, *, noise: float, target: float, floor: float) -> Truth:
     """The effect with the magnitude at which it shows as wanted, or at its nearest bound.
 
     Parameters

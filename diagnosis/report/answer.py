@@ -63,9 +63,7 @@ def _print(
     line = printable(line)
     parts = [line]
     if wraps:
-        parts = textwrap.wrap(tied(line), width, subsequent_indent=" " * hanging, break_on_hyphens=False) or [
-            ""
-        ]
+        parts = textwrap.wrap(tied(line), width, subsequent_indent=" " * hanging, break_on_hyphens=False) or [""]
     for number, part in enumerate(parts):
         text = Text()
         if label or indent:
@@ -87,9 +85,7 @@ def _causes(answer: Answer) -> list[str]:
         lines.append(f"{cause.probability_text:>9}  {cause.title}{closes}")
         if cause.effects and not has_parameters:
             has_parameters = True
-            lines += [
-                f"{'':11}{each.name} = {each.value}" for effect in cause.effects for each in effect.parameters
-            ]
+            lines += [f"{'':11}{each.name} = {each.value}" for effect in cause.effects for each in effect.parameters]
     return lines
 
 

@@ -95,9 +95,7 @@ def equation_picture(name: str, equation: str) -> str:
     text = re.sub(r"\\text\{([^{}]*)\}", lambda words: _roman(words[1]), text)
     text = f"${text}$"
     try:
-        with matplotlib.rc_context(
-            {"svg.fonttype": "path", "svg.hashsalt": "valvemodel", "mathtext.fontset": "cm"}
-        ):
+        with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "valvemodel", "mathtext.fontset": "cm"}):
             parser = MathTextParser("path")
             width, height, depth, *_ = parser.parse(text, dpi=72)
             scale = 12.0 / 10.0
@@ -118,18 +116,14 @@ def _roman(words: str) -> str:
 
 def _inline(markup: str, name: str, *, keeps_size: bool = False) -> str:
     markup = markup[markup.index("<svg") :]
-    markup = re.sub(
-        r"<metadata>.*?</metadata>|<style[^>]*>.*?</style>|<!--.*?-->", "", markup, flags=re.DOTALL
-    )
+    markup = re.sub(r"<metadata>.*?</metadata>|<style[^>]*>.*?</style>|<!--.*?-->", "", markup, flags=re.DOTALL)
     head, _, rest = markup.partition(">")
     view = re.search(r'viewBox="[^"]*"', head)
     size = re.search(r'width="([\d.]+)pt"', head)
     assert view is not None
     assert size is not None
     width = f' style="width: {float(size[1]) / 10:.2f}em"' if keeps_size else ""
-    head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {view[0]}{width}'
-    )
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {view[0]}{width}'
     rest = rest.replace(' xlink:href="#', ' href="#').replace("'DejaVu Sans', sans-serif", _PAGE_FONT)
     rest = re.sub(r'( id="|url\(#| href="#)', rf"\g<1>{name}-", rest)
     rest = re.sub(r"[ \t]*\n[ \t]*", "\n", rest).strip()
@@ -160,9 +154,7 @@ def draw_pressure(axes: Axes, record: RecordEvidence, cause: str) -> None:
     shown_x, factor_x = shown_unit(abscissa_unit, [_largest(abscissa)])
     shown_y, factor_y = shown_unit("Pa", [_largest(record.measured_pressure)])
     step = max(1, -(-len(record.time) // _LOOP_POINTS))
-    for values, style in _curves(
-        record.measured_pressure, record.refitted_pressure, record.with_cause_pressure, cause
-    ):
+    for values, style in _curves(record.measured_pressure, record.refitted_pressure, record.with_cause_pressure, cause):
         axes.plot(abscissa[::step] * factor_x, values[::step] * factor_y, **style)
     axes.set_xlabel(f"{name} [{shown_x}]")
     axes.set_ylabel(f"pressure, gauge [{shown_y}]")
@@ -246,9 +238,7 @@ def draw_ranking(axes: Axes, ranking: Sequence[Rank], noise_floor: float | None,
     for row, rank in enumerate(ranking):
         colour = CAUSE if row == 0 else INK
         low, high = (end if is_number(end) else rank.rms for end in (rank.low, rank.high))
-        axes.plot(
-            [low * factor, high * factor], [-row, -row], color=colour, linewidth=2.2, solid_capstyle="butt"
-        )
+        axes.plot([low * factor, high * factor], [-row, -row], color=colour, linewidth=2.2, solid_capstyle="butt")
         axes.plot([rank.rms * factor], [-row], marker="o", markersize=5.5, color=colour)
         text = probability_text(rank.probability) if is_number(rank.probability) else ""
         axes.text(
@@ -304,9 +294,7 @@ def steps_picture(name: str, evidence: Evidence) -> str:
     height = 0.62 * count + 0.55
 
     def draw(figure: Figure) -> None:
-        draw_steps(
-            figure.add_axes((0.03, 0.5 / height, 0.94, 1 - 0.55 / height)), evidence.steps, evidence.unit
-        )
+        draw_steps(figure.add_axes((0.03, 0.5 / height, 0.94, 1 - 0.55 / height)), evidence.steps, evidence.unit)
 
     return picture(name, draw, (HALF[0], height))
 

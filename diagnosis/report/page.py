@@ -97,9 +97,7 @@ def _cause_label(diagnosis: Mapping[str, Any]) -> str:
     """Return the legend of the model with the cause, short enough for a picture."""
     if diagnosis["verdict"] == "none":
         return "base, best fit"
-    effects: list[str] = next(
-        (cause["effects"] for cause in diagnosis.get("causes") or () if cause["effects"]), []
-    )
+    effects: list[str] = next((cause["effects"] for cause in diagnosis.get("causes") or () if cause["effects"]), [])
     label = f"with {cause_title(effects)}" if effects else "with the cause"
     if diagnosis["verdict"] == "unknown":
         return "nearest candidate"
@@ -110,8 +108,7 @@ def _summary_pictures(answer: Answer, evidence: Evidence) -> list[Picture]:
     pictures = []
     if evidence.steps:
         steps = ", ".join(
-            f"{step.label} {amount(step.rms, evidence.unit, like=[evidence.steps[0].rms])}"
-            for step in evidence.steps
+            f"{step.label} {amount(step.rms, evidence.unit, like=[evidence.steps[0].rms])}" for step in evidence.steps
         )
         pictures.append(
             Picture(

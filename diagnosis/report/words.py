@@ -274,9 +274,7 @@ def _explanation(diagnosis: Mapping[str, Any]) -> str:
         )
     declared = [_DECLARED[key] for key in _found(diagnosis)["effects"] if key in _DECLARED]
     if diagnosis["verdict"] == "unknown":
-        text = (
-            "A gap remains above the noise of the record, and no admissible set of listed effects closes it."
-        )
+        text = "A gap remains above the noise of the record, and no admissible set of listed effects closes it."
         if declared:
             nearest = cause_title(_found(diagnosis)["effects"])
             text += f" The nearest candidate is {nearest}, which is not good enough to be called the cause."
@@ -313,9 +311,7 @@ def _where(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
         parts = [f"the {stage} ({STAGE_PARTS[stage]})" for stage in _own_stages(diagnosis)]
         sentences.append(f"The effects lie in {listed(parts)}.")
     elif likely and likely[0].probability >= _SURE:
-        sentences.append(
-            f"In the {likely[0].name} ({likely[0].parts}), probability {likely[0].probability_text}."
-        )
+        sentences.append(f"In the {likely[0].name} ({likely[0].parts}), probability {likely[0].probability_text}.")
     elif likely:
         names = [f"the {each.name} ({each.probability_text})" for each in likely]
         sentences.append(f"Most likely in {listed(names, 'or')}.")
@@ -392,9 +388,7 @@ def _how_far(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     found = _found(diagnosis)
     sentences = []
     if rows:
-        sentences.append(
-            f"Gap (rms, {_scored_on(diagnosis)}): {listed([f'{v} {k}' for k, v in rows.items()])}."
-        )
+        sentences.append(f"Gap (rms, {_scored_on(diagnosis)}): {listed([f'{v} {k}' for k, v in rows.items()])}.")
     closed = found.get("gap_closed")
     if diagnosis["verdict"] == "none" or closed is None or not is_number(closed):
         return tuple(sentences)
@@ -474,9 +468,7 @@ def _next_step(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ..
     stage = (diagnosis.get("where") or {}).get("stage")
     parts = f"the {stage} ({STAGE_PARTS[stage]})" if stage in STAGE_PARTS else "the stage named above"
     if verdict == "none":
-        return (
-            "Use the refitted model (base.json). Look for effects again only where a new record shows a gap."
-        )
+        return "Use the refitted model (base.json). Look for effects again only where a new record shows a gap."
     if verdict == "unknown":
         return (
             f"Look at {parts}, and in the report at what the models leave: when and where it is large is the "
@@ -487,9 +479,7 @@ def _next_step(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ..
     if ways:
         settle = "; for the others ".join(list(ways)[:2])
         return f"To settle which: {settle}. Until then use the found model (model.json) with care."
-    check = (
-        listed([f"the {_DECLARED[key].stage}" for key in found["effects"] if key in _DECLARED][:1]) or parts
-    )
+    check = listed([f"the {_DECLARED[key].stage}" for key in found["effects"] if key in _DECLARED][:1]) or parts
     return (
         f"Inspect {check} for {cause_title(found['effects'])}, and use the found model (model.json) "
         "in place of the base. A second record of the same valve confirms it."
@@ -513,14 +503,10 @@ def _regimes(diagnosis: Mapping[str, Any]) -> tuple[tuple[str, str, str, str], .
 
 def _cause_words(cause: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> CauseWords:
     gap = diagnosis.get("gap") or {}
-    effects = tuple(
-        _effect_words(key, (cause.get("parameters") or {}).get(key) or {}) for key in cause["effects"]
-    )
+    effects = tuple(_effect_words(key, (cause.get("parameters") or {}).get(key) or {}) for key in cause["effects"])
     closed = cause.get("gap_closed")
     return CauseWords(
-        title=capitalised(cause_title(cause["effects"]))
-        if effects
-        else "No further effect: the base model alone",
+        title=capitalised(cause_title(cause["effects"])) if effects else "No further effect: the base model alone",
         stages=listed(list(dict.fromkeys(effect.stage for effect in effects))) or "–",
         probability=min(1.0, max(0.0, cause.get("probability") or 0.0)),
         probability_text=probability_text(cause.get("probability")),
@@ -559,9 +545,7 @@ def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWor
             ParameterWords(
                 name=name,
                 meaning=meanings.get(name, ""),
-                value=amount_with_std(
-                    found[name].get("value"), found[name].get("std"), found[name].get("unit", "1")
-                ),
+                value=amount_with_std(found[name].get("value"), found[name].get("std"), found[name].get("unit", "1")),
             )
             for name in order
         ),

@@ -402,9 +402,7 @@ def _judge(
     named = _named(scores, fits, _noise_floor(fits[richest], signals, math.sqrt(scores[richest].mean_square)))
     for effects in named:
         scores[effects] = scorer.score(effects, polish=True)
-        fits[effects] = balances[effects].fit(
-            balances[effects].polish(shapes[effects], everything), everything
-        )
+        fits[effects] = balances[effects].fit(balances[effects].polish(shapes[effects], everything), everything)
     richest = min(named, key=lambda effects: scores[effects].mean_square)
     floor = _noise_floor(fits[richest], signals, math.sqrt(scores[richest].mean_square))
     named = _named(scores, fits, floor)

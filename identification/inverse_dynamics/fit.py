@@ -170,9 +170,7 @@ def find_spring(signals: StemSignals) -> bool:
     rate = Balance(signals, (), True).fit({}, everything).parameters["spring_rate"]
     swing = rate.value * float(np.std(signals.position))
     return (
-        rate.std is not None
-        and rate.value > 3.0 * rate.std
-        and swing > SPRING_SHARE * float(np.std(signals.row_force))
+        rate.std is not None and rate.value > 3.0 * rate.std and swing > SPRING_SHARE * float(np.std(signals.row_force))
     )
 
 
@@ -293,9 +291,7 @@ class Balance:
             for (key, name), number in zip(names, numbers, strict=True):
                 start = shapes[key][name]
                 is_place = name == "tight_spot_position"
-                moved[key][name] = (
-                    start + 0.1 * travel * number if is_place else start * math.exp(0.3 * number)
-                )
+                moved[key][name] = start + 0.1 * travel * number if is_place else start * math.exp(0.3 * number)
             return moved
 
         scale = self.error(shapes, rows) or 1.0
@@ -377,10 +373,7 @@ class Balance:
         """Return the derivative of the modelled force by a shape parameter."""
         value = shapes[key][name]
         step = 1e-3 * (shapes[key].get("tight_spot_width", value) if name == "tight_spot_position" else value)
-        ends = [
-            self.design({**shapes, key: {**shapes[key], name: value + sign * step}})[0]
-            for sign in (1.0, -1.0)
-        ]
+        ends = [self.design({**shapes, key: {**shapes[key], name: value + sign * step}})[0] for sign in (1.0, -1.0)]
         return (ends[0] - ends[1]) @ amplitudes / (2.0 * step)
 
 
@@ -429,7 +422,5 @@ def _train_rows(train: npt.ArrayLike | None, rows: int) -> Mask:
             "make it of the length prepare_signals(record).rows",
         )
     if mask.sum() < FEWEST_BLOCKS:
-        raise InputError(
-            f"a fit takes at least {FEWEST_BLOCKS} samples", f"the mask keeps {mask.sum()}", "keep more"
-        )
+        raise InputError(f"a fit takes at least {FEWEST_BLOCKS} samples", f"the mask keeps {mask.sum()}", "keep more")
     return mask

@@ -68,6 +68,10 @@ class StemEffect:
         )
 
 
+LINEAR_DRIFT_TIME = 3000.0
+"""Time constant with which the library's drift is a straight line over a record, its upper bound. [s]"""
+
+
 def base_columns(signals: StemSignals, *, has_spring: bool) -> dict[str, Array]:
     """Return the full-rate columns of the base model's force, by parameter.
 
@@ -244,7 +248,10 @@ _EFFECTS = {
         StemEffect(
             "friction_drift",
             _drift,
-            lambda c, base, shape: {"friction_drift_rate": _share_of(base, "coulomb_friction", c[0])},
+            lambda c, base, shape: {
+                "friction_drift_rate": _share_of(base, "coulomb_friction", c[0]),
+                "friction_drift_time": LINEAR_DRIFT_TIME,
+            },
         ),
         StemEffect(
             "spring_hardening",

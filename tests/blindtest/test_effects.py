@@ -50,9 +50,7 @@ def test_notable_effect_shows(pair, base, ramps):
     key, law = pair
     plain = integrate(base, *ramps, step=COARSE)["position"]
     strong = truth_of(key, law, base, np.sqrt(law.lowest * law.highest))
-    seen = digitised(
-        integrate(base, *ramps, step=COARSE, effects=(strong,))["position"], 0 * plain, 0, (strong,)
-    )
+    seen = digitised(integrate(base, *ramps, step=COARSE, effects=(strong,))["position"], 0 * plain, 0, (strong,))
     assert np.all(np.isfinite(seen))
     if key != "end_stop":
         assert np.abs(seen - plain).max() > 2e-4
@@ -64,9 +62,7 @@ def test_slip_jump_is_the_excess_over_the_spring(name, base):
     numbers |= {"bristle_stiffness": 1e8, "bristle_damping": 3e4}
     time = np.arange(2000) / 50.0
     current = 8e-3 + 2e-4 * time
-    position = integrate(base, time, current, effects=(built("static_friction", name, **numbers),))[
-        "position"
-    ]
+    position = integrate(base, time, current, effects=(built("static_friction", name, **numbers),))["position"]
     jump = np.diff(position, n=1)
     first = np.argmax(jump > 1e-3)
     height = position[first + 4] - position[first]

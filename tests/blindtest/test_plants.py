@@ -19,9 +19,7 @@ def test_every_effect_gives_a_plant_that_a_finer_step_confirms(key):
     assert plant.answer() == (key,)
     assert plant.effects[0].unabsorbed > 1.0
     profile = draw_profile(4, duration=40.0)
-    coarse, fine = (
-        integrate(plant.base, *profile, effects=plant.effects, step=h)["position"] for h in (4e-5, 2e-5)
-    )
+    coarse, fine = (integrate(plant.base, *profile, effects=plant.effects, step=h)["position"] for h in (4e-5, 2e-5))
     difference = np.abs(coarse - fine)
     assert np.sqrt(np.mean(difference**2)) < (1e-3 if key in STICK_SLIP else 5e-6)
     assert key in STICK_SLIP or difference.max() < 2e-4

@@ -19,9 +19,7 @@ def diagnosed(tmp_path_factory, short_record):
     from valvemodel.commands import command_line
 
     folder = tmp_path_factory.mktemp("diagnosed") / "report"
-    result = CliRunner().invoke(
-        command_line, ["diagnose", str(short_record), "--out", str(folder), "--jobs", "1"]
-    )
+    result = CliRunner().invoke(command_line, ["diagnose", str(short_record), "--out", str(folder), "--jobs", "1"])
     assert result.exit_code == 0, result.output
     return result, folder
 
@@ -34,9 +32,7 @@ def test_files_are_the_four_of_the_contract(diagnosed):
 
 def test_json_keeps_the_contract(diagnosed):
     _, folder = diagnosed
-    content = json.loads(
-        (folder / "diagnosis.json").read_text(), parse_constant=lambda name: pytest.fail(name)
-    )
+    content = json.loads((folder / "diagnosis.json").read_text(), parse_constant=lambda name: pytest.fail(name))
     assert content["schema"] == "valvemodel.diagnosis/1"
     assert content["verdict"] in ("effect", "none", "unknown")
     total = content["unknown_probability"] + sum(cause["probability"] for cause in content["causes"])
@@ -86,9 +82,7 @@ def test_interrupt_leaves_nothing(demo_record, tmp_path):
         "--out",
         str(tmp_path / "a" / "b"),
     ]
-    process = subprocess.Popen(
-        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
     time.sleep(3.0)
     os.killpg(process.pid, signal.SIGINT)
     output, trouble = process.communicate(timeout=60)

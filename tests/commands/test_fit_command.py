@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import polars
 import pytest
 
 BASE = {
@@ -81,9 +82,7 @@ def test_stem_alone_is_fitted_to_force_and_position(command, tmp_path):
     speed = np.gradient(position, time)
     force = 95.0 * np.gradient(speed, time) + 200.0 * speed + 20.0 * np.sign(speed)
     force += np.random.default_rng(2).normal(0.0, 1.0, time.size)
-    rows = "\n".join(
-        f"{t:.3f},{f!r},{y!r}" for t, f, y in zip(time, force.tolist(), position.tolist(), strict=True)
-    )
+    rows = "\n".join(f"{t:.3f},{f!r},{y!r}" for t, f, y in zip(time, force.tolist(), position.tolist(), strict=True))
     (tmp_path / "stem.csv").write_text(f"time [s],force [N],position [m]\n{rows}\n")
     result = command("fit", "stem.csv", "--out", "fitted")
     assert result.exit_code == 0, result.output
@@ -94,3 +93,31 @@ def test_stem_alone_is_fitted_to_force_and_position(command, tmp_path):
     assert any("diaphragm_area" in warning for warning in content["warnings"])
     model = json.loads((tmp_path / "fitted" / "model.json").read_text())
     assert model["valve"]["stem_mass"]["value"] == content["parameters"]["stem_mass"]["value"]
+
+
+def test_percent_without_rated_travel_is_said(command, short_record, tmp_path):
+    from importlib import resources
+
+    text = (resources.files("valvemodel.valves") / "calibrated.toml").read_text()
+    before, _, after = text.partition("[rated_travel]")
+    (tmp_path / "mine.toml").write_text(before + after[after.index("\n[") + 1 :])
+    table = polars.read_csv(short_record)
+    percent = table.select("time [s]", "current [mA]", (polars.col("position [mm]") / 2.5).alias("position [%]"))
+    percent.write_csv(tmp_path / "percent.csv")
+    said = {}
+    for valve in ("calibrated", "mine.toml"):
+        result = command("fit", "percent.csv", "--valve", valve, "--out", "fitted")
+        assert result.exit_code == 0, result.output
+        said[valve] = [text for text in fitted(tmp_path / "fitted")["warnings"] if "rated_travel" in text]
+    assert said["calibrated"] == []
+    assert "only their proportions mean something" in said["mine.toml"][0]
+
+
+def test_loop_without_time_is_fitted(command, demo_record, tmp_path):
+    table = polars.read_csv(demo_record).select("current [mA]", "position [mm]").gather_every(50)
+    table.write_csv(tmp_path / "loop.csv")
+    result = command("fit", "loop.csv", "--out", "fitted")
+    assert result.exit_code == 0, result.output
+    content = fitted(tmp_path / "fitted")
+    assert {"stem_mass", "viscous_friction"} <= set(content["not_determined"])
+    assert content["parameters"]["viscous_friction"]["std"] is None

@@ -42,9 +42,7 @@ def test_only_one_output_at_a_time():
 def test_json_has_the_fields():
     entries = json.loads(_run("--json", "--equation", "31"))
     assert [entry["verdict"] for entry in entries] == ["inherits an error", "not determined", "wrong premise"]
-    assert all(
-        {"equation", "verdict", "printed", "derived", "steps", "right"} == set(entry) for entry in entries
-    )
+    assert all({"equation", "verdict", "printed", "derived", "steps", "right"} == set(entry) for entry in entries)
     assert all(isinstance(entry["steps"], list) for entry in entries)
 
 

@@ -89,9 +89,7 @@ def test_entries_are_complete():
 
 
 def _text(equation, verdict):
-    return " ".join(
-        step for one in _all() if (one.equation, one.verdict) == (equation, verdict) for step in one.steps
-    )
+    return " ".join(step for one in _all() if (one.equation, one.verdict) == (equation, verdict) for step in one.steps)
 
 
 # Mutations: a paper that prints something else gets another verdict.
@@ -110,9 +108,7 @@ def test_the_right_sign_in_27_moves_the_error_to_28():
 
 def test_a_paper_with_all_signs_right_holds_to_the_end():
     mended = PAPER.with_equation("27", -PAPER["27"].right)
-    last = (
-        symbol("w") * 2 * symbol("sigma") * symbol("i") / (symbol("L_m") + 2 * symbol("sigma") * symbol("x"))
-    )
+    last = symbol("w") * 2 * symbol("sigma") * symbol("i") / (symbol("L_m") + 2 * symbol("sigma") * symbol("x"))
     mended = mended.with_equation("28", mended["28"].right + 2 * last)
     i, w, s, j, x, X, X_t, b = symbols("i w s j x X X_t b")
     mended = mended.with_equation("29", mended["29"].right + 2 * s * i / (j + s * x) * w)

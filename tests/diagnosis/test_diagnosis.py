@@ -10,10 +10,10 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnose import Diagnosis, diagnose
-from diagnosis.holdout import hold_out
 from diagnosis.regimes import masks_of, time_since_reversal
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
+from identification.holdout import hold_out
 from identification.timing import END_OF_PERIOD, answers_own_row
 from valvemodel.model import Model, read_model
 from valvemodel.records import Record
@@ -92,7 +92,7 @@ def test_contract_of_the_json(viscous: Diagnosis) -> None:
     assert value["std"] > 0.0
 
 
-def test_files_can_be_read_again(viscous: Diagnosis, tmp_path) -> None:  # noqa: ANN001
+def test_files_can_be_read_again(viscous: Diagnosis, tmp_path) -> None:
     places = viscous.write(tmp_path / "deep" / "folder")
     assert {path.name for path in places.values()} == {
         "diagnosis.json", "base.json", "model.json", "report.html",

@@ -20,9 +20,7 @@ from valvemodel.valves import read_valve
 def fitted(seed: int) -> tuple[dict[str, float], Fit]:
     plant = draw_plant(seed, ())
     taken = measure(plant, seed + 1000)
-    record = Record.from_arrays(
-        name="plant", time=taken["time"], current=taken["current"], position=taken["position"]
-    )
+    record = Record.from_arrays(name="plant", time=taken["time"], current=taken["current"], position=taken["position"])
     valve = read_valve("calibrated")
     return plant.base, fit_base(Model(valve.name, valve.values), [experiment_of(record)])
 
@@ -110,9 +108,7 @@ def test_what_a_record_does_not_determine_has_no_deviation() -> None:
 def test_an_extension_recovers_its_parameter() -> None:
     plant = draw_plant(4, ("asymmetric_viscous_friction",))
     taken = measure(plant, 1004)
-    record = Record.from_arrays(
-        name="plant", time=taken["time"], current=taken["current"], position=taken["position"]
-    )
+    record = Record.from_arrays(name="plant", time=taken["time"], current=taken["current"], position=taken["position"])
     valve = read_valve("calibrated")
     base = fit_base(Model(valve.name, valve.values), [experiment_of(record)])
     fit = extend(base, "asymmetric_viscous_friction")

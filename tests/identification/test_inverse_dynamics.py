@@ -133,9 +133,7 @@ def test_standard_deviations_hold_under_correlated_noise():
     squares = []
     for _ in range(40):
         error = np.convolve(noise.standard_normal(time.size + 399), 0.2 * slow, mode="valid")
-        fit = fit_stem(
-            Record.from_arrays(time=time, force=force + error, position=position), has_spring=False
-        )
+        fit = fit_stem(Record.from_arrays(time=time, force=force + error, position=position), has_spring=False)
         for name, truth in TRUTH.items():
             value, _, deviation = fit.parameters[name]
             squares.append(((value - truth) / deviation) ** 2)

@@ -400,9 +400,7 @@ def test_huge_file_is_refused_before_it_is_read(tmp_path):
 
 def test_line_is_right_behind_a_cell_of_two_lines(tmp_path):
     rows = rows_of_a_valve()
-    text = "\n".join(
-        ["note," + HEADER, f'"two\nlines",{rows[0]}', *(f",{row}" for row in rows[1:10]), ",x,1,2,3"]
-    )
+    text = "\n".join(["note," + HEADER, f'"two\nlines",{rows[0]}', *(f",{row}" for row in rows[1:10]), ",x,1,2,3"])
     path = tmp_path / "valve.csv"
     path.write_text(text)
     with pytest.raises(InputError, match="line 13"):

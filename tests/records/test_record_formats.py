@@ -184,9 +184,7 @@ def test_order_case_and_other_columns_do_not_matter(tmp_path):
 
 def test_kinds_of_record(tmp_path):
     write_table(tmp_path / "loop.csv", {"current [mA]": CURRENT, "position [mm]": POSITION})
-    write_table(
-        tmp_path / "stem.csv", {"time [s]": TIME, "force [N]": PRESSURE, "position [m]": POSITION / 1e3}
-    )
+    write_table(tmp_path / "stem.csv", {"time [s]": TIME, "force [N]": PRESSURE, "position [m]": POSITION / 1e3})
     assert read_record(tmp_path / "loop.csv").kind == "loop"
     record = read_record(tmp_path / "stem.csv")
     assert record.kind == "stem"
@@ -225,9 +223,9 @@ def test_written_numbers_read_back_exactly(tmp_path_factory, numbers):
 
 @settings(max_examples=40, deadline=None)
 @given(
-    st.lists(
-        st.tuples(st.floats(1e-3, 1e3), st.floats(0, 0.1), st.floats(-1, 1)), min_size=20, max_size=60
-    ).filter(lambda rows: len({row[1] for row in rows}) > 1 and len({row[2] for row in rows}) > 1)
+    st.lists(st.tuples(st.floats(1e-3, 1e3), st.floats(0, 0.1), st.floats(-1, 1)), min_size=20, max_size=60).filter(
+        lambda rows: len({row[1] for row in rows}) > 1 and len({row[2] for row in rows}) > 1
+    )
 )
 def test_written_record_reads_back_exactly(tmp_path_factory, rows):
     folder = tmp_path_factory.mktemp("record")

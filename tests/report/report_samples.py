@@ -39,9 +39,7 @@ def record(name: str = "stroke.csv", *, count: int = 7500, with_pressure: bool =
     )
 
 
-def cause(
-    effects: list[str], probability: float, gap_after: float, closed: float | None, **more: Any
-) -> dict:
+def cause(effects: list[str], probability: float, gap_after: float, closed: float | None, **more: Any) -> dict:
     """Make an entry of `causes`."""
     return {
         "effects": effects,
@@ -119,9 +117,7 @@ def effect() -> tuple[dict, Evidence]:
             Rank("static friction", ("static_friction",), 1.58e-4, 1.5e-4, 1.7e-4, 0.88),
             Rank("Stribeck friction", ("stribeck",), 1.66e-4, 1.55e-4, 1.8e-4, 0.09),
             Rank("presliding", ("presliding",), 1.1e-3, 0.9e-3, 1.3e-3, 0.008),
-            Rank(
-                "asymmetric viscous friction", ("asymmetric_viscous_friction",), 1.8e-3, 1.6e-3, 2.0e-3, 1e-5
-            ),
+            Rank("asymmetric viscous friction", ("asymmetric_viscous_friction",), 1.8e-3, 1.6e-3, 2.0e-3, 1e-5),
             Rank("none", (), 1.94e-3, 1.8e-3, 2.1e-3, 0.002),
         ),
         noise_floor=1.5e-4,
@@ -174,9 +170,7 @@ def two_effects() -> tuple[dict, Evidence]:
         ),
         ranking=(
             Rank("static friction and sensor lag", tuple(both), 1.7e-4, 1.6e-4, 1.9e-4, 0.74),
-            Rank(
-                "static friction and coil lag", ("static_friction", "coil_lag"), 1.75e-4, 1.6e-4, 2e-4, 0.12
-            ),
+            Rank("static friction and coil lag", ("static_friction", "coil_lag"), 1.75e-4, 1.6e-4, 2e-4, 0.12),
             Rank("none", (), 1.94e-3, 1.8e-3, 2.1e-3, 0.0),
         ),
         noise_floor=1.5e-4,
@@ -207,9 +201,7 @@ def none() -> tuple[dict, Evidence]:
     shown = record()
     evidence = Evidence(
         records=(
-            RecordEvidence(
-                **(vars(shown) | {"refitted": shown.with_cause, "with_cause": None, "as_given": None})
-            ),
+            RecordEvidence(**(vars(shown) | {"refitted": shown.with_cause, "with_cause": None, "as_given": None})),
         ),
         steps=(Step("as given", 2.31e-3), Step("base refitted", 1.51e-4), Step("noise floor", 1.5e-4)),
         ranking=(Rank("none", (), 1.51e-4, 1.4e-4, 1.6e-4, 0.96),),
@@ -304,9 +296,7 @@ def stem_record() -> tuple[dict, Evidence]:
             Step("+ effect", 2.02),
             Step("noise floor", 2.0),
         ),
-        ranking=(
-            Rank("asymmetric viscous friction", ("asymmetric_viscous_friction",), 2.02, 1.9, 2.1, 0.995),
-        ),
+        ranking=(Rank("asymmetric viscous friction", ("asymmetric_viscous_friction",), 2.02, 1.9, 2.1, 0.995),),
         noise_floor=2.0,
         unit="N",
         seconds=1.2,

@@ -66,12 +66,8 @@ def test_markup_is_balanced_and_ids_are_unique(pages: dict[str, str], name: str)
     reader = read(pages[name])
     ids = [value for _, attribute, value in reader.attributes if attribute == "id"]
     assert len(ids) == len(set(ids))
-    references = {
-        value[1:] for _, attribute, value in reader.attributes if attribute == "href" and value[:1] == "#"
-    }
-    references |= {
-        found for _, _, value in reader.attributes for found in re.findall(r"url\(#([^)]*)\)", value)
-    }
+    references = {value[1:] for _, attribute, value in reader.attributes if attribute == "href" and value[:1] == "#"}
+    references |= {found for _, _, value in reader.attributes for found in re.findall(r"url\(#([^)]*)\)", value)}
     assert references <= set(ids)
 
 
@@ -80,14 +76,10 @@ def test_page_loads_nothing_and_runs_nothing(pages: dict[str, str], name: str) -
     reader = read(pages[name])
     assert not {"script", "iframe", "object", "embed", "img", "base", "form", "image"} & set(reader.tags)
     assert not [found for found in reader.attributes if found[1].startswith("on")]
-    loads = [
-        found for found in reader.attributes if found[1] in ("src", "href", "srcset", "xlink:href", "action")
-    ]
+    loads = [found for found in reader.attributes if found[1] in ("src", "href", "srcset", "xlink:href", "action")]
     assert all(value.startswith("#") or value == "data:," for _, _, value in loads)
     assert not re.search(r"@import|url\((?!#)", pages[name])
-    addresses = {
-        value for _, attribute, value in reader.attributes if "://" in value and attribute[:5] != "xmlns"
-    }
+    addresses = {value for _, attribute, value in reader.attributes if "://" in value and attribute[:5] != "xmlns"}
     assert addresses == set()
     assert len(pages[name]) < 1_000_000
 

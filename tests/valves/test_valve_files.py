@@ -22,10 +22,7 @@ ENTRIES = {
 
 def write(tmp_path, entries=ENTRIES, more="", name="mine.toml"):
     path = tmp_path / name
-    tables = [
-        f'[{key}]\nvalue = {value}\nunit = "{unit}"\nsource = "test"\n'
-        for key, (value, unit) in entries.items()
-    ]
+    tables = [f'[{key}]\nvalue = {value}\nunit = "{unit}"\nsource = "test"\n' for key, (value, unit) in entries.items()]
     path.write_text("\n".join(tables) + more, encoding="utf-8")
     return path
 

@@ -20,13 +20,9 @@ _FIELDS = ("equation", "verdict", "printed", "derived", "steps", "right")
 
 
 @click.command(epilog="Example: valvemodel derive --equation 27")
-@click.option(
-    "--equation", metavar="ID", help="Show the steps for one id only: 27, table-2, state-2, text-n, ..."
-)
+@click.option("--equation", metavar="ID", help="Show the steps for one id only: 27, table-2, state-2, text-n, ...")
 @click.option("--json", "as_json", is_flag=True, help="Print a list of findings as JSON.")
-@click.option(
-    "--latex", "as_latex", is_flag=True, help="Print a LaTeX document part, for an article with amsmath."
-)
+@click.option("--latex", "as_latex", is_flag=True, help="Print a LaTeX document part, for an article with amsmath.")
 @click.option("--write", is_flag=True, help="Write valvemodel/equations/*.py anew from the derivations.")
 def derive(equation: str | None, as_json: bool, as_latex: bool, write: bool) -> None:
     """Derive the paper's equations again and say which hold.
@@ -96,9 +92,7 @@ def _show_table(findings: Sequence[Verdict]) -> None:
         console = Console(width=_PIPED_WIDTH)
     console.print(table)
     errors = sum(one.verdict != "holds" for one in findings)
-    click.echo(
-        f"{len(findings)} findings, {errors} of them not 'holds'. Steps: valvemodel derive --equation 27"
-    )
+    click.echo(f"{len(findings)} findings, {errors} of them not 'holds'. Steps: valvemodel derive --equation 27")
 
 
 def _show_steps(findings: Sequence[Verdict]) -> None:

@@ -82,9 +82,7 @@ def _as_json(valve: Valve) -> dict[str, Any]:
         },
         "figures": {
             "pressure": {"low": found.pressure.min(), "high": found.pressure.max(), "unit": "Pa"},
-            "gap": None
-            if found.gap is None
-            else {"low": found.gap.min(), "high": found.gap.max(), "unit": "m"},
+            "gap": None if found.gap is None else {"low": found.gap.min(), "high": found.gap.max(), "unit": "m"},
             "travel": {"low": found.travel[0], "high": found.travel[1], "unit": "m"},
             "dead_band": {"value": found.dead_band, "unit": "1"},
             "damping_ratio": {"value": found.damping_ratio, "unit": "1"},
@@ -152,9 +150,7 @@ def _range(low: float, high: float, unit: str) -> str:
 
     low_text, high_text = format_quantity(low, unit), format_quantity(high, unit)
     low_number, _, low_unit = low_text.partition(" ")
-    return (
-        f"{low_number}..{high_text}" if high_text.endswith(f" {low_unit}") else f"{low_text} .. {high_text}"
-    )
+    return f"{low_number}..{high_text}" if high_text.endswith(f" {low_unit}") else f"{low_text} .. {high_text}"
 
 
 def _plain(text: str) -> str:

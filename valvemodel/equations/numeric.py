@@ -46,9 +46,7 @@ def gap_offset_of_coil(maximum_gap, magnetic_path_length, leakage_coefficient):
     return magnetic_path_length / (2 * leakage_coefficient) + maximum_gap
 
 
-def gap_gain_of_coil(
-    coil_turns, magnetic_area, supply_voltage, leakage_coefficient, ansatz_exponent, ansatz_factor
-):
+def gap_gain_of_coil(coil_turns, magnetic_area, supply_voltage, leakage_coefficient, ansatz_exponent, ansatz_factor):
     """Gap gain that the coil's data give, with the right sign of (27): the factor is 1.
 
     Paper (31), corrected. Returns [m/A^((v-1)/v)].
@@ -148,9 +146,7 @@ def flux_by_air_gap(current, air_gap, coil_turns, magnetic_area, magnetic_path_l
     return -2 * coil_constant * current * leakage_coefficient / equivalent_length**2
 
 
-def flux_by_air_gap_as_printed(
-    current, air_gap, coil_turns, magnetic_area, magnetic_path_length, leakage_coefficient
-):
+def flux_by_air_gap_as_printed(current, air_gap, coil_turns, magnetic_area, magnetic_path_length, leakage_coefficient):
     """Slope of the flux in the air gap with the wrong sign.
 
     Paper (27), as printed. Returns [Wb/m].

@@ -52,15 +52,13 @@ def check_motion(measurement: Measurement) -> None:
             remedy = "delete the column or repair the transmitter" if name == "pressure" else _DRIVE
             raise InputError(
                 f"{name} changes over a record",
-                f"{measurement.sheet.name}: it is {measurement.given(name, 0)}"
-                f" in all {len(measurement)} rows",
+                f"{measurement.sheet.name}: it is {measurement.given(name, 0)} in all {len(measurement)} rows",
                 remedy,
             )
     if np.ptp(measurement.values("position")) == 0:
         raise InputError(
             "the stem moves in a record",
-            f"{measurement.sheet.name}: position is {measurement.given('position', 0)}"
-            f" in all {len(measurement)} rows",
+            f"{measurement.sheet.name}: position is {measurement.given('position', 0)} in all {len(measurement)} rows",
             f"check the position transmitter; {_DRIVE}",
         )
     _check_not_noise(measurement)
@@ -155,9 +153,7 @@ def _check_position(measurement: Measurement) -> None:
     position, column = measurement.values("position"), measurement.columns["position"]
     row = int(np.argmax(np.abs(position)))
     if abs(position[row]) > _POSITION_AT_MOST:
-        remedy = (
-            "if it is in mm, name the column 'position [mm]'" if column.unit == "m" else "check unit and row"
-        )
+        remedy = "if it is in mm, name the column 'position [mm]'" if column.unit == "m" else "check unit and row"
         raise InputError(
             f"position is within {_POSITION_AT_MOST:g} m"
             if not column.is_percent

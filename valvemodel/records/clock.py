@@ -97,9 +97,7 @@ def _days(parts: polars.DataFrame, form: str, where: str) -> polars.Series:
     if "month_name" in parts.columns:
         months = {name: number + 1 for number, name in enumerate(_MONTHS)}
         columns["month"] = (
-            parts["month_name"]
-            .str.to_lowercase()
-            .replace_strict(months, default=None, return_dtype=polars.Int32)
+            parts["month_name"].str.to_lowercase().replace_strict(months, default=None, return_dtype=polars.Int32)
         )
         columns["year"] = columns["year"] + 2000 * (columns["year"] < 100).cast(polars.Int32)
     if "first" in columns:

@@ -37,9 +37,7 @@ def read_delimited(content: bytes, name: str) -> Sheet:
         notes = (*notes, f"skipped {first_line - 1} line(s) before the column names")
     if separator != ",":
         notes = (*notes, f"read with {_SEPARATORS[separator]} between columns")
-    body = _Body(
-        content[start:].rstrip(b"\n \t" + separator.encode()), name, separator, len(headers), first_line
-    )
+    body = _Body(content[start:].rstrip(b"\n \t" + separator.encode()), name, separator, len(headers), first_line)
     return Sheet(name, headers, body.read, body.place, notes, separator)
 
 
@@ -169,9 +167,7 @@ def _decoded(content: bytes, encoding: str, name: str) -> bytes:
     try:
         return content.decode(encoding).removeprefix("\ufeff").encode()
     except UnicodeError:
-        raise InputError(
-            "a text file is in one encoding", f"{name} is broken UTF-16", "save it as UTF-8"
-        ) from None
+        raise InputError("a text file is in one encoding", f"{name} is broken UTF-16", "save it as UTF-8") from None
 
 
 def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:

@@ -14,9 +14,7 @@ _SLOW, _FAST = 10.0, 1e-5  # [s]: median intervals beyond which the unit of time
 _LIVE_ZERO, _LIVE_END = 3.8e-3, 20.5e-3  # [A]: the measuring range of NAMUR NE 43
 _MANY_ROWS = 2_000_000
 _COARSE_LEVELS = 50  # different readings over the whole range
-_REPEATS = (
-    5  # samples a reading, from which on it is the transmitter that repeats and not the record that is short
-)
+_REPEATS = 5  # samples a reading, from which on it is the transmitter that repeats and not the record that is short
 _AT_REST = 0.8  # share of the record within 2 % of the range
 _CLIPPED = 0.01  # share of the record at one extreme value
 _BAR_AT_MOST = 3e3  # [Pa]: 0.4..2.1 bar read as kPa stays below 3 kPa
@@ -129,8 +127,7 @@ def _pressure(measurement: Measurement) -> list[str]:
         lowest = float(pressure.min())
         if _ABSOLUTE_FROM < lowest < _ABSOLUTE_TO and measurement.values("current").min() < 6e-3:
             found.append(
-                f"pressure does not fall below {lowest / 1e3:.4g} kPa at low current:"
-                " is it absolute? gauge is needed"
+                f"pressure does not fall below {lowest / 1e3:.4g} kPa at low current: is it absolute? gauge is needed"
             )
     return found
 
@@ -161,9 +158,7 @@ def _reading(measurement: Measurement, name: str) -> list[str]:
         share, is_quiet = _share_at(given, extreme)
         if share > _CLIPPED and not is_quiet:
             value = measurement.amount(name, float(extreme))
-            found.append(
-                f"{name} holds its {what} value {value} over {share:.0%} of the record: is it clipped?"
-            )
+            found.append(f"{name} holds its {what} value {value} over {share:.0%} of the record: is it clipped?")
     return found
 
 

@@ -25,9 +25,7 @@ def read_matlab(content: bytes, name: str) -> Sheet:
         If the file is damaged or of version 7.3, a variable is no vector of numbers, or lengths differ.
     """
     if content.startswith(b"\x89HDF") or b"MATLAB 7.3" in content[:128]:
-        raise InputError(
-            "a MAT file is of version 7 or older", f"{name} is of version 7.3", "save it with -v7"
-        )
+        raise InputError("a MAT file is of version 7 or older", f"{name} is of version 7.3", "save it with -v7")
     from scipy.io import loadmat
 
     try:
@@ -60,7 +58,5 @@ def _vector(key: str, value: Any, name: str) -> polars.Series:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub" or array.size != max(array.shape, default=0):
         found = " x ".join(map(str, array.shape)) + f" of {array.dtype.name}"
-        raise InputError(
-            "a variable is a vector of real numbers", f"{name}: {key} is {found}", "save vectors"
-        )
+        raise InputError("a variable is a vector of real numbers", f"{name}: {key} is {found}", "save vectors")
     return polars.Series(key, np.ascontiguousarray(array.ravel(), dtype=np.float64))

@@ -102,9 +102,7 @@ def _open(path: Path) -> Sheet:
     name = path.name
     for magic, what in _OTHER_KINDS.items():
         if content.startswith(magic):
-            raise InputError(
-                "a record is CSV, Parquet or MAT", f"{name} is {what}", "export or unpack it as CSV"
-            )
+            raise InputError("a record is CSV, Parquet or MAT", f"{name} is {what}", "export or unpack it as CSV")
     suffix = path.suffix.lower()
     if content.startswith(b"PAR1") or suffix in (".parquet", ".pq"):
         return read_parquet(content, name)
@@ -135,9 +133,7 @@ def _load(path: Path) -> bytes:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(rule, f"{path}: {reason}", "check the name and the permissions") from None
     if not content.strip():
-        raise InputError(
-            "a record has a line of column names and rows", f"{path} is empty", "export it again"
-        )
+        raise InputError("a record has a line of column names and rows", f"{path} is empty", "export it again")
     return content
 
 

@@ -55,18 +55,14 @@ class Record:
                 continue
             values = _frozen(values)
             if values.ndim != 1:
-                raise InputError(
-                    "a signal has one dimension", f"{name} has {values.ndim}", "pass one array each"
-                )
+                raise InputError("a signal has one dimension", f"{name} has {values.ndim}", "pass one array each")
             lengths[name] = values.size
             object.__setattr__(self, name, values)
         if not lengths:
             raise InputError("a record has at least one signal", "got none", "pass current and position")
         if len(set(lengths.values())) > 1:
             found = ", ".join(f"{name} {size}" for name, size in lengths.items())
-            raise InputError(
-                "the signals of a record are equally long", f"got {found}", "cut them to one length"
-            )
+            raise InputError("the signals of a record are equally long", f"got {found}", "cut them to one length")
         if self.position_unit not in ("m", "%"):
             raise InputError("position is in m or %", f"got {self.position_unit!r}", "convert it first")
         object.__setattr__(self, "warnings", tuple(self.warnings))
@@ -100,8 +96,7 @@ class Record:
             "force": force,
         }
         arrays = {
-            key: None if values is None else np.array(values, dtype=np.float64)
-            for key, values in signals.items()
+            key: None if values is None else np.array(values, dtype=np.float64) for key, values in signals.items()
         }
         return cls(name, None, **arrays, position_unit=position_unit, warnings=warnings)
 

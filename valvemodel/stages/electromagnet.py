@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
 
@@ -17,11 +17,29 @@ EFFECTS = (
         equation=r"i_e = i - h z,\quad dz = (1 - z\,\mathrm{sign}(di))\,di / (2 h (1 + \rho))",
         source="Coleman and Hodgdon, J. Appl. Phys. 63 (1988); the same curve as Dahl (1968)",
         parameters=(
-            Parameter("hysteresis_half_width", "A", "half the width of the loop in current", 0.0, 3e-3, 0.0, (4e-4, 1e-4)),
-            Parameter("hysteresis_roundness", "1", "0: flat after a reversal; large: rounded", 0.0, 20.0, 0.5, (0.5,)),
+            Parameter(
+                "hysteresis_half_width",
+                "A",
+                "half the width of the loop in current",
+                0.0,
+                3e-3,
+                0.0,
+                (4e-4, 1e-4),
+            ),
+            Parameter(
+                "hysteresis_roundness",
+                "1",
+                "0: flat after a reversal; large: rounded",
+                0.0,
+                20.0,
+                0.5,
+                (0.5,),
+            ),
         ),
         aliases=("linkage_backlash", "pressure_dependent_friction"),
-        told_apart_by="a measured pressure shows it upstream of the stem; friction makes the loop wider where the branch is flat",
+        told_apart_by=(
+            "a measured pressure shows it upstream of the stem; friction makes the loop wider where the branch is flat"
+        ),
     ),
     Effect(
         key="magnetic_saturation",
@@ -47,7 +65,9 @@ EFFECTS = (
         source="eq. (17) with the resistance kept",
         parameters=(Parameter("coil_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
         aliases=("sensor_lag", "chamber_filling", "transport_delay"),
-        told_apart_by="a measured pressure, or fast steps at low and high current: the lag is in current, before the bend",
+        told_apart_by=(
+            "a measured pressure, or fast steps at low and high current: the lag is in current, before the bend"
+        ),
     ),
     Effect(
         key="gap_drift",
@@ -58,7 +78,16 @@ EFFECTS = (
         source="thermal expansion of the flapper mount, first-order warming",
         parameters=(
             Parameter("gap_drift_rate", "m/s", "rate at the start", -1e-5, 1e-5, 0.0, (3e-8, -3e-8)),
-            Parameter("gap_drift_time", "s", "time constant of the warming", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
+            Parameter(
+                "gap_drift_time",
+                "s",
+                "time constant of the warming",
+                5.0,
+                3000.0,
+                300.0,
+                (300.0, 30.0),
+                "log",
+            ),
         ),
         aliases=("sensor_drift", "load_force", "friction_drift"),
         told_apart_by="a measured pressure; or drift followed at low and high current, where the gap acts differently",
@@ -66,7 +95,7 @@ EFFECTS = (
 )
 
 
-@compiled
+@inlined
 def saturate(p, current):
     """Bend the current above the knee; the identity while the slope is 1."""
     if p.saturation_slope == 1.0:
@@ -79,7 +108,7 @@ def saturate(p, current):
     return current - (1.0 - p.saturation_slope) * ramp
 
 
-@compiled
+@inlined
 def advance_flux(p, state, current, duration):
     """Hold the current for a duration and return the mean current that the flux stands for. [A]
 
@@ -103,7 +132,7 @@ def advance_flux(p, state, current, duration):
     return effective
 
 
-@compiled
+@inlined
 def gap_of_current(p, current, time):
     """Return the gap at an effective current, drift included. [m]"""
     gap = coil_gap(max(current, 0.0), p.gap_offset, p.gap_gain)
@@ -120,4 +149,4 @@ def rest_electromagnet(p, state, current):
     state.hysteresis = 0.0
 
 
-coil_gap = compiled(numeric.coil_gap)
+coil_gap = inlined(numeric.coil_gap)

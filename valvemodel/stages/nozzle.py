@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
 
@@ -20,8 +20,25 @@ EFFECTS = (
         equation=r"T\,(1 + g\,P/P_1)\,\dot P / P_1 = \sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}",
         source="paper eq. (15) with Q_b filling a volume that grows with the pressure, as the diaphragm gives way",
         parameters=(
-            Parameter("chamber_filling_time", "s", "time to fill to P1 at the full orifice flow", 0.0, 10.0, 0.0, (0.3, 1.5)),
-            Parameter("filling_growth", "1", "g: growth of that time from no pressure to P1", -0.95, 30.0, 0.0, (1.0,), typical=0.0),
+            Parameter(
+                "chamber_filling_time",
+                "s",
+                "time to fill to P1 at the full orifice flow",
+                0.0,
+                10.0,
+                0.0,
+                (0.3, 1.5),
+            ),
+            Parameter(
+                "filling_growth",
+                "1",
+                "g: growth of that time from no pressure to P1",
+                -0.95,
+                30.0,
+                0.0,
+                (1.0,),
+                typical=0.0,
+            ),
         ),
         aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
         told_apart_by="a measured pressure; steps up and down at several levels",
@@ -36,7 +53,15 @@ EFFECTS = (
         parameters=(
             Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
             Parameter("vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02)),
-            Parameter("filling_slowness", "s/Pa", "inverse of the rate limit of the slower direction", 0.0, 2e-3, 0.0, (1e-5,)),
+            Parameter(
+                "filling_slowness",
+                "s/Pa",
+                "inverse of the rate limit of the slower direction",
+                0.0,
+                2e-3,
+                0.0,
+                (1e-5,),
+            ),
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction"),
         told_apart_by="a measured pressure; large steps both ways",
@@ -45,12 +70,31 @@ EFFECTS = (
         key="supply_droop",
         stage="nozzle",
         title="supply droop",
-        meaning="the supply sags when the actuator fills and recovers slowly",
-        equation=r"P_1' = P_1 - d,\quad \dot d = g\,\max(\dot P, 0) - d/T",
+        meaning="the supply sags with the air that is drawn, to fill and to feed the nozzle, and recovers slowly",
+        equation=r"P_1' = P_1 - d,\quad \dot d = g\,\max(\dot P, 0) + (c\,P_1\sqrt{1 - P/P_1} - d)/T",
         source="receiver behind a regulator of finite flow, first order",
         parameters=(
-            Parameter("droop_gain", "1", "sag of the supply over rise of the pressure", 0.0, 2.0, 0.0, (0.2,)),
-            Parameter("droop_recovery_time", "s", "time constant of the recovery", 0.05, 200.0, 3.0, (2.0, 15.0), "log"),
+            Parameter("droop_gain", "1", "g: sag of the supply over rise of the pressure", 0.0, 2.0, 0.0, (0.2, 0.0)),
+            Parameter(
+                "droop_consumption",
+                "1",
+                "c: sag over P1 at the full flow of the orifice",
+                0.0,
+                0.5,
+                0.0,
+                (0.0, 0.05),
+                typical=0.0,
+            ),
+            Parameter(
+                "droop_recovery_time",
+                "s",
+                "time constant of the recovery",
+                0.05,
+                200.0,
+                3.0,
+                (2.0, 15.0),
+                "log",
+            ),
         ),
         aliases=("chamber_filling", "asymmetric_filling"),
         told_apart_by="a gauge on the supply",
@@ -62,7 +106,9 @@ EFFECTS = (
         meaning="a hole in diaphragm or tubing behind a laminar restriction takes a part of the pressure",
         equation=r"P_a + \ell\sqrt{P_1 P_a} = P_b",
         source="laminar restriction into a turbulent hole, at rest",
-        parameters=(Parameter("leak_ratio", "1", "pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),),
+        parameters=(
+            Parameter("leak_ratio", "1", "pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),
+        ),
         aliases=("choked_flow", "none"),
         told_apart_by="a gauge on either side of the restriction, or the air consumed",
     ),
@@ -74,8 +120,17 @@ EFFECTS = (
         equation=r"P_1^a\,\psi(P^a/P_1^a) = \sqrt{K}\,\delta\,P^a\,\psi(P_0/P^a),\quad \psi=\sqrt{1-((r-b)/(1-b))^2}",
         source="Saint-Venant and Wantzel (1839) in the form of ISO 6358",
         parameters=(
-            Parameter("compressible_share", "1", "0: incompressible, 1: compressible", 0.0, 1.0, 0.0, (1.0,), is_fitted=False),
-            Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, 0.528, (0.528,), is_fitted=False),
+            Parameter(
+                "compressible_share",
+                "1",
+                "0: incompressible, 1: compressible",
+                0.0,
+                1.0,
+                0.0,
+                (1.0,),
+                is_fitted=False,
+            ),
+            Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, 0.528, (0.528, 0.4)),
         ),
         aliases=("none", "air_leak", "magnetic_saturation"),
         told_apart_by="a measured pressure over the whole range of current",
@@ -93,7 +148,7 @@ EFFECTS = (
     ),
 )
 
-static_pressure = compiled(numeric.static_pressure)
+static_pressure = inlined(numeric.static_pressure)
 chamber_inflow = compiled(numeric.chamber_inflow)
 
 
@@ -143,7 +198,7 @@ def compressible_pressure(gap, supply, flow_ratio, critical):
     return pressure
 
 
-@compiled
+@inlined
 def resting_pressure(p, gap, supply):
     """Return the pressure at which the flows of orifice and nozzle agree. [Pa]"""
     pressure = static_pressure(gap, supply, p.flow_ratio)
@@ -153,7 +208,7 @@ def resting_pressure(p, gap, supply):
     return pressure
 
 
-@compiled
+@inlined
 def behind_leak(p, pressure):
     """Return the actuator pressure behind restriction and leak; the identity without a leak. [Pa]"""
     if p.leak_ratio == 0.0 or pressure <= 0.0:
@@ -219,12 +274,20 @@ def fill_unequally(p, state, target, duration):
     return target - side * area / duration
 
 
-@compiled
+@inlined
 def resting_pressure_of_chain(p, gap, current):
     """Return the pressure at rest under the full supply, by eqs. (16), (31) or by the valve's affine map. [Pa]"""
     if p.pressure_per_current > 0.0:
         return p.pressure_at_zero_current + p.pressure_per_current * current
     return resting_pressure(p, gap, p.supply_pressure)
+
+
+@compiled
+def drawn_to_settle(p, share):
+    """Return the sag of the supply that the flow through the orifice keeps up. [Pa]"""
+    if p.droop_consumption == 0.0:
+        return 0.0
+    return p.droop_consumption * p.supply_pressure * math.sqrt(max(1.0 - share, 0.0))
 
 
 @compiled
@@ -238,15 +301,17 @@ def sag_supply(p, state, share, duration):
     if pressure > before:
         pressure = (pressure + p.droop_gain * share * before) / (1.0 + p.droop_gain * share)
         state.droop += p.droop_gain * (pressure - before)
+    settled = drawn_to_settle(p, share)
     recovery_time = p.droop_recovery_time * (1.0 + p.droop_gain * share)
     recovered = -math.expm1(-duration / recovery_time)
-    mean = p.supply_pressure * share - state.droop * share * recovery_time * recovered / duration
-    state.droop *= 1.0 - recovered
+    excess = state.droop - settled
+    mean = (p.supply_pressure - settled - excess * recovery_time * recovered / duration) * share
+    state.droop -= excess * recovered
     state.supplied_pressure = (p.supply_pressure - state.droop) * share
     return mean
 
 
-@compiled
+@inlined
 def advance_nozzle(p, state, gap, current, duration):
     """Hold the gap for a duration and return the mean actuator pressure over it. [Pa]
 
@@ -254,7 +319,7 @@ def advance_nozzle(p, state, gap, current, duration):
     """
     pressure = resting_pressure_of_chain(p, gap, current)
     after = pressure
-    if p.droop_gain > 0.0:
+    if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
         pressure = sag_supply(p, state, pressure / p.supply_pressure, duration)
         after = state.supplied_pressure
     if p.chamber_filling_time > 0.0:
@@ -271,7 +336,8 @@ def advance_nozzle(p, state, gap, current, duration):
 def rest_nozzle(p, state, gap, current):
     """Put the stage at rest at a gap."""
     pressure = resting_pressure_of_chain(p, gap, current)
-    state.droop = 0.0
+    state.droop = drawn_to_settle(p, pressure / p.supply_pressure)
+    pressure *= 1.0 - state.droop / p.supply_pressure
     state.supplied_pressure = pressure
     state.chamber_pressure = pressure
     state.filled_pressure = pressure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 
 EFFECTS = (
@@ -27,8 +27,28 @@ EFFECTS = (
         equation=r"r = o + q\,\mathrm{round}((z - o)/q)",
         source="ideal rounding to a grid with an offset",
         parameters=(
-            Parameter("resolution", "m", "one step of the reading", 0.0, 0.02, 0.0, ("reading_step",), is_fitted=False, typical=1e-3),
-            Parameter("resolution_offset", "m", "a reading on the grid", -0.02, 0.02, 0.0, ("reading_phase",), is_fitted=False, typical=0.0),
+            Parameter(
+                "resolution",
+                "m",
+                "one step of the reading",
+                0.0,
+                0.02,
+                0.0,
+                ("reading_step",),
+                is_fitted=False,
+                typical=1e-3,
+            ),
+            Parameter(
+                "resolution_offset",
+                "m",
+                "a reading on the grid",
+                -0.02,
+                0.02,
+                0.0,
+                ("reading_phase",),
+                is_fitted=False,
+                typical=0.0,
+            ),
         ),
         told_apart_by="the readings themselves: they take few values",
     ),
@@ -41,7 +61,16 @@ EFFECTS = (
         source="zero drift of a transmitter that warms up, first order",
         parameters=(
             Parameter("sensor_drift_rate", "m/s", "creep of the zero at the start", -3e-3, 3e-3, 0.0, (1e-5, -1e-5)),
-            Parameter("sensor_drift_time", "s", "time constant of the warming", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
+            Parameter(
+                "sensor_drift_time",
+                "s",
+                "time constant of the warming",
+                5.0,
+                3000.0,
+                300.0,
+                (300.0, 30.0),
+                "log",
+            ),
         ),
         aliases=("gap_drift", "load_force"),
         told_apart_by="a measured pressure, or a mechanical stop that is visited early and late",
@@ -66,7 +95,16 @@ EFFECTS = (
         source="lever geometry to third order",
         parameters=(
             Parameter("linkage_bow", "m", "h: bow in the middle of the travel", -0.05, 0.05, 0.0, (3e-3, -3e-3)),
-            Parameter("linkage_skew", "m", "s: swing between the halves of the travel", -0.02, 0.02, 0.0, (1e-3,), typical=0.0),
+            Parameter(
+                "linkage_skew",
+                "m",
+                "s: swing between the halves of the travel",
+                -0.02,
+                0.02,
+                0.0,
+                (1e-3,),
+                typical=0.0,
+            ),
         ),
         aliases=("spring_hardening", "area_variation", "magnetic_saturation"),
         told_apart_by="a straight scale on the stem, or a measured pressure with a known spring",
@@ -78,7 +116,11 @@ SKEW = 0.5 * math.sqrt(27.0)
 """Scales the skew so that its largest swing is the parameter (4 x (1 - x) (1 - 2 x) peaks at 4/sqrt(108))."""
 
 
-@compiled
+NEAR_POLE = 1e-6
+"""Distance from the pole of `lag_of_slip` that is kept: the reading is off by this share of its lag."""
+
+
+@inlined
 def bow(p, position):
     """Return the indicated for a true position; the identity for a straight linkage. [m]"""
     if p.linkage_bow == 0.0 and p.linkage_skew == 0.0:
@@ -101,18 +143,49 @@ def unbow(p, reading):
     return position
 
 
+@inlined
+def follow_steadily(p, state):
+    """Follow a stem that has moved one way, without a lag."""
+    position = state.position
+    state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
+
+
 @compiled
 def follow_stem(p, state, before, after, duration):
-    """Follow a stem that moves one way from one position to another within a duration."""
-    low, high = after - p.backlash_half_width, after + p.backlash_half_width
+    """Follow a stem that moves one way from one position to another within a duration.
+
+    The lag is exact behind a straight linkage; a bow is taken as straight along the step.
+    """
     was = state.linkage
-    state.linkage = min(max(was, low), high)
-    if p.sensor_time_constant > 0.0 and duration > 0.0:
-        start, end = bow(p, was), bow(p, state.linkage)
-        slope = (end - start) / duration
-        behind = slope * p.sensor_time_constant
-        decay = math.exp(-duration / p.sensor_time_constant)
-        state.lagged_reading = end - behind + (state.lagged_reading - start + behind) * decay
+    follow_steadily(p, state)
+    if p.sensor_time_constant == 0.0 or duration <= 0.0:
+        return
+    start, end = bow(p, was), bow(p, state.linkage)
+    if state.lag_duration != duration:
+        state.lag_duration = duration
+        state.lag_decay = math.exp(-duration / p.sensor_time_constant)
+    behind = start - state.lagged_reading
+    if state.linkage == was:
+        state.lagged_reading = end - behind * state.lag_decay
+        return
+    gain = (end - start) / (state.linkage - was)
+    of_velocity, of_acceleration = lag_of_slip(p.sensor_time_constant, state.trace_damping, state.trace_stiffness)
+    forced = gain * (of_velocity * state.trace_velocity + of_acceleration * state.trace_acceleration)
+    following = gain * (of_velocity * state.trace_next_velocity + of_acceleration * state.trace_next_acceleration)
+    state.lagged_reading = end - following - (behind - forced) * state.lag_decay
+
+
+@compiled
+def lag_of_slip(time_constant, damping, stiffness):
+    """Return how far a lagged reading is behind a slip a' = -c a - k v: a sum of v and a with these two factors.
+
+    Where the lag's time constant is one of the slip's own, the factors have a pole, which is stepped aside of.
+    """
+    shape = 1.0 - damping * time_constant + stiffness * time_constant * time_constant
+    if abs(shape) < NEAR_POLE:
+        shape = NEAR_POLE if shape >= 0.0 else -NEAR_POLE
+    of_acceleration = -time_constant * time_constant / shape
+    return time_constant * (1.0 - damping * time_constant) / shape, of_acceleration
 
 
 @compiled
@@ -123,7 +196,7 @@ def sensor_drift(p, time):
     return -p.sensor_drift_rate * p.sensor_drift_time * math.expm1(-time / p.sensor_drift_time)
 
 
-@compiled
+@inlined
 def read_sensor(p, state, time):
     """Return the reading at an instant. [m]"""
     reading = state.lagged_reading if p.sensor_time_constant > 0.0 else bow(p, state.linkage)

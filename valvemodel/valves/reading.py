@@ -84,9 +84,7 @@ _REMEDY = "every entry needs value, unit and source"
 def valve_names() -> tuple[str, ...]:
     """Return the names of the valve sets that come with the package."""
     folder = resources.files("valvemodel.valves")
-    return tuple(
-        sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
-    )
+    return tuple(sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml")))
 
 
 def read_valve(name_or_path: str | Path) -> Valve:
@@ -127,13 +125,9 @@ def _text(path: Any) -> str:
         return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         reason = error.strerror or "cannot be read"
-        raise InputError(
-            "a valve file can be read", f"{path}: {reason}", "check the name and the folder"
-        ) from None
+        raise InputError("a valve file can be read", f"{path}: {reason}", "check the name and the folder") from None
     except UnicodeDecodeError as error:
-        raise InputError(
-            "a valve file is in UTF-8", f"{path}: byte {error.start} is not", "save it as UTF-8"
-        ) from None
+        raise InputError("a valve file is in UTF-8", f"{path}: byte {error.start} is not", "save it as UTF-8") from None
 
 
 class _Reader:
@@ -148,9 +142,7 @@ class _Reader:
     def valve(self) -> Valve:
         """Return the valve, or raise for the first entry that will not do."""
         if not isinstance(self.what, str):
-            raise self._error(
-                "what", "'what' says in words what the valve is", f"it is {self.what!r}", "quote it"
-            )
+            raise self._error("what", "'what' says in words what the valve is", f"it is {self.what!r}", "quote it")
         if self.form not in _FORMS:
             raise self._error(
                 "equations", "equations are 'corrected' or 'as printed'", f"got {self.form!r}", "choose one"
@@ -186,9 +178,7 @@ class _Reader:
         if key not in known:
             raise self._unknown(key, known)
         if not isinstance(entry, Mapping):
-            raise self._error(
-                key, _REMEDY, f"it is {entry!r}", f"write a table [{key}] with value, unit and source"
-            )
+            raise self._error(key, _REMEDY, f"it is {entry!r}", f"write a table [{key}] with value, unit and source")
         for part in entry:
             if part not in ("value", "unit", "source"):
                 raise self._error(key, _REMEDY, f"it has {part!r}", "rename or delete it")
@@ -199,9 +189,7 @@ class _Reader:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._error(key, "a value is a number", f"it is {value!r}", "write it without quotes")
         if not isinstance(unit, str):
-            raise self._error(
-                key, "a unit is a text", f"it is {unit!r}", 'write unit = "1" where there is none'
-            )
+            raise self._error(key, "a unit is a text", f"it is {unit!r}", 'write unit = "1" where there is none')
         if not isinstance(source, str) or not source.strip():
             raise self._error(key, _REMEDY, f"its source is {source!r}", "say where the value comes from")
         return Entry(float(value), unit, source)

@@ -250,9 +250,7 @@ def _delayed(signal: Signal, clock: Clock, truth: Truth) -> Signal:
     return out
 
 
-def chamber_pressure(
-    gap: Signal, clock: Clock, base: Mapping[str, float], truths: tuple[Truth, ...]
-) -> Signal:
+def chamber_pressure(gap: Signal, clock: Clock, base: Mapping[str, float], truths: tuple[Truth, ...]) -> Signal:
     """Gauge pressure that acts on the diaphragm, shape (periods, width). [Pa]"""
     effects = by_effect(truths, "nozzle")
     pressure = _static(gap, base, effects.get("choked_flow"))

@@ -121,9 +121,7 @@ def _bonded(bond, slip_speed, step, stem):
 def _acceleration(travel, speed, pressure, load, scale, direction, bond, stem):
     """Acceleration of a sliding stem. [m/s^2]"""
     viscous = stem.viscous_up if direction > 0 else stem.viscous_down
-    friction = (
-        direction * friction_level(travel, pressure, scale, direction, stem) * weakening(speed, bond, stem)
-    )
+    friction = direction * friction_level(travel, pressure, scale, direction, stem) * weakening(speed, bond, stem)
     return (driving_force(travel, pressure, load, stem) - friction - viscous * speed) / stem.mass
 
 
@@ -135,9 +133,7 @@ def _released(travel, pressure, load, scale, bond, stem):
     if abs(force) <= weakening(0.0, bond, stem) * friction_level(travel, pressure, scale, direction, stem):
         return 0
     rigid = stem.stop_stiffness > UNYIELDING
-    if rigid and (
-        (direction > 0 and travel >= stem.stop_high) or (direction < 0 and travel <= stem.stop_low)
-    ):
+    if rigid and ((direction > 0 and travel >= stem.stop_high) or (direction < 0 and travel <= stem.stop_low)):
         return 0
     return direction
 
@@ -410,9 +406,7 @@ def friction_scale(clock: Clock, truths: tuple[Truth, ...]) -> Signal:
     if truth is None:
         return np.ones(clock.periods)
     numbers = truth.parameters
-    return 1.0 + numbers["growth"] * creep_shape(
-        clock.starts(), truth.formulation, numbers.get("time_constant", 0.0)
-    )
+    return 1.0 + numbers["growth"] * creep_shape(clock.starts(), truth.formulation, numbers.get("time_constant", 0.0))
 
 
 def resting_travel(stem: Stem, pressure: float, load: float, share: float) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.experiment import Experiment
+from valvemodel.errors import InputError
 
 EVERY = 3
 """Every so many blocks in time one is kept back."""
@@ -36,12 +37,28 @@ class Holdout:
 
 
 def hold_out(experiments: Sequence[Experiment]) -> Holdout:
-    """Split experiments into what is fitted and what is scored."""
+    """Split experiments into what is fitted and what is scored.
+
+    Raises
+    ------
+    InputError
+        If a single record is too short to keep a part of it back.
+    """
     measured = [np.isfinite(experiment.position) for experiment in experiments]
     if len(experiments) > 1:
         return Holdout(
-            tuple(experiments[:-1]), tuple(measured[:-1]), (experiments[-1],), (measured[-1],), "other records"
+            tuple(experiments[:-1]),
+            tuple(measured[:-1]),
+            (experiments[-1],),
+            (measured[-1],),
+            "other records",
         )
     kept = experiments[0].block % EVERY == EVERY - 1
     whole = (experiments[0],)
+    if not (measured[0] & kept).any() or not (measured[0] & ~kept).any():
+        raise InputError(
+            "a record must be long enough to keep a part of it back",
+            f"{experiments[0].name} has {measured[0].sum()} samples",
+            "record longer, or give a second record",
+        )
     return Holdout(whole, (measured[0] & ~kept,), whole, (measured[0] & kept,), "held-out blocks")

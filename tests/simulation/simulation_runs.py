@@ -1,0 +1,67 @@
+"""Runs of the compiled chain that the simulation's tests share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from valvemodel import chain
+from valvemodel.model import Model
+from valvemodel.parameters import STATE
+from valvemodel.stages import EFFECTS
+from valvemodel.valves import read_valve
+
+FINE_SUBSTEP, FINE_TOLERANCE = 1e-4, 1e-4
+
+NEEDED = {
+    "end_stop": {"upper_stop": 0.19},
+    "quantisation": {"resolution": 1e-3},
+    "load_force": {"load_sine": 200.0, "load_cosine": 100.0, "load_period": 5.0},
+    "position_dependent_friction": {"tight_spot_excess": 0.6, "tight_spot_position": 0.12},
+}
+"""Values of effects whose typical ones come from a record."""
+
+
+def base_model(**values: float) -> Model:
+    """The calibrated valve, changed."""
+    valve = read_valve("calibrated")
+    return Model(valve.name, {**valve.values, **values})
+
+
+def with_effects(model: Model, *keys: str) -> Model:
+    """The model with effects at typical values."""
+    for key in keys:
+        model = model.with_effect(key, **NEEDED.get(key, {}))
+    return model
+
+
+EFFECT_KEYS = [effect.key for effect in EFFECTS]
+
+
+def ramps_and_steps(seconds: float = 20.0, rate: float = 50.0, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """A triangle between 5 and 19 mA, then random steps. [s], [A]"""
+    count = int(seconds * rate) + 1
+    time = np.arange(count) / rate
+    phase = time / (0.4 * seconds)
+    triangle = 12e-3 + 7e-3 * (2.0 * np.abs(2.0 * (phase - np.floor(phase)) - 1.0) - 1.0)
+    generator = np.random.default_rng(seed)
+    steps = np.repeat(generator.uniform(5e-3, 19e-3, count // 25 + 1), 25)[:count]
+    return time, np.where(phase < 1.5, triangle, steps)
+
+
+def run(
+    model: Model,
+    time: np.ndarray,
+    drive: np.ndarray,
+    *,
+    driven_by: int = chain.CURRENT,
+    start: float = float("nan"),
+    substep: float = 1e-3,
+    tolerance: float = 1e-2,
+) -> np.ndarray:
+    """Readings of one run, shape (n,). [m]"""
+    readings = np.empty((1, len(time)))
+    chain.run_chain(
+        model.rows(start_position=start), np.zeros(1, STATE), np.asarray(time, float), np.asarray(drive, float),
+        chain.FREE, driven_by, substep, tolerance, readings, chain.NONE, chain.NONE,
+    )  # fmt: skip
+    return readings[0]
