@@ -16,6 +16,9 @@ STEP_CURRENT = 2e-4
 STEP_OVER_RAMP = 8.0
 """A step is so many times the usual change from row to row."""
 
+CALM_SHARE = 0.1
+"""The current may have changed in the two rows before a step by this share of the step: the reading is still calm."""
+
 CERTAINTY = 6.0
 """Standard errors by which readings must answer the current of their own row."""
 
@@ -39,8 +42,11 @@ def answers_own_row(record: Record) -> bool:
         return False
     change = np.diff(record.current)
     usual = float(np.median(np.abs(change)))
-    steps = np.flatnonzero(np.abs(change) > max(STEP_CURRENT, STEP_OVER_RAMP * usual)) + 1
-    steps = steps[steps >= 2]
+    size = np.abs(change)
+    is_step = size > max(STEP_CURRENT, STEP_OVER_RAMP * usual)
+    is_step[2:] &= np.maximum(size[1:-1], size[:-2]) < CALM_SHARE * size[2:]
+    steps = np.flatnonzero(is_step) + 1
+    steps = steps[steps >= 3]
     if len(steps) < 3:
         return False
     side = np.sign(change[steps - 1])

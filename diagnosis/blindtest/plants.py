@@ -35,8 +35,8 @@ NEVER_BELOW_NOTICE = ("choked_flow", "quantisation", "end_stop", "presliding")
 FLOORS, NUISANCE_FLOOR = (1.0, 3.0), 2e-4
 START_SHARE = 0.8  # greatest part of the stuck band's half-width by which a start is off its middle
 
-DEMO_SEED, DEMO_PROFILES = 14, (1, 2)
-DEMO_EFFECTS, DEMO_VISIBILITY = ("static_friction",), (12.0, 25.0)
+DEMO_SEED, DEMO_PROFILES = 1, (1, 2)
+DEMO_EFFECTS, DEMO_VISIBILITY = ("asymmetric_filling",), (12.0, 25.0)
 
 # Streams of random numbers that must not move when another one is drawn longer.
 VALVE_STREAM, EFFECT_STREAM, RECORD_STREAM, NUISANCE_STREAM = 2, 3, 4, 5

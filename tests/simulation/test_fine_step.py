@@ -242,3 +242,12 @@ def test_readings_are_maps_of_the_position():
     bowed = run(BASE.with_effect("linkage_nonlinearity", linkage_bow=4e-3, linkage_skew=0.0), time, current)
     share = position / BASE.values["rated_travel"]
     assert np.abs(bowed - (position + 16e-3 * share * (1.0 - share))).max() < 1e-15
+
+
+def test_a_slow_transmitter_behind_play():
+    """Each closing of the play is an event; rounding must not repeat it."""
+    time, current = ramps_and_steps(seconds=SECONDS, seed=2)
+    keys = ("linkage_backlash", "sensor_lag")
+    model = BASE.with_effect(keys[0], **CASES[keys[0]][1]).with_effect(keys[1], **CASES[keys[1]][1])
+    expected = reference(BASE, time, current, [CASES[key][0] for key in keys], step=1e-6)
+    assert np.abs(run(model, time, current) - expected).max() < 1e-6

@@ -40,6 +40,12 @@ SPOT_SHARE = 0.25
 SPOT_REACH = 4.0
 """Distance from a tight spot, over its width, beyond which its excess is below 2e-7 of its height."""
 
+HOLD = 1e-12
+"""Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
+
+TOUCHING = 1e-12
+"""Play within this of being taken up is taken up. [m]"""
+
 HARD_STOP = 1.0
 """A deceleration that leaves less than 1e-12 m between the stop speed and 0. [m/s^2]"""
 
@@ -67,7 +73,7 @@ def plan_stem(p, state):
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
     state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
-    state.plan_ratio = breakaway_ratio(p)
+    state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step = 0.0
 
@@ -230,7 +236,7 @@ def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     if p.sensor_time_constant > 0.0:
         contact = way_to_contact(p, state, side)
-        if 0.0 < contact < way:
+        if TOUCHING < contact < way:
             # The play closes: the transmitter follows only from here on.
             step = time_of_way(mass, damping, stiffness, speed, start, contact, step)
             vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)

@@ -256,7 +256,7 @@ EFFECTS = (
                 0.0,
                 (2e-3, -2e-3),
             ),
-            Parameter("friction_drift_time", "s", "T: time constant", 5.0, 3000.0, 300.0, (300.0, 30.0), "log"),
+            Parameter("friction_drift_time", "s", "T: time constant", 25.0, 3000.0, 300.0, (300.0, 40.0), "log"),
         ),
         told_apart_by="the same slow stroke early and late",
     ),
