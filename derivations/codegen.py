@@ -9,7 +9,7 @@ from derivations.printer import Printer
 from derivations.sources import Source, sources
 
 VELOCITY_BAND = 1e-4  # m/s, the paper's epsilon
-_WIDTH = 110
+_WIDTH = 120
 
 
 @dataclass(frozen=True)

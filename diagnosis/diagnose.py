@@ -26,6 +26,7 @@ from valvemodel.effects import effect_of_key
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.stages import EFFECTS
 
 SCHEMA = "valvemodel.diagnosis/1"
 
@@ -35,7 +36,7 @@ NAMED_FROM = 0.5
 YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured position every 2 s"}
 """How the gap is measured: where slips stick, a free run loses their phase even if the model is right."""
 
-SHOWN_CAUSES = 12
+SHOWN_CAUSES = 60
 """Causes that are listed; the probabilities of the others are added to the last but one."""
 
 Progress = Callable[[str, float], None]
@@ -114,6 +115,10 @@ class Diagnosis:
                 "yardstick": YARDSTICKS[self.yardstick],
             },
             "base": {"name": self.base.model.name, "file": "base.json"},
+            "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
+            "not_tried": [
+                effect.key for effect in EFFECTS if (effect.key,) not in {each.effects for each in self.causes}
+            ],
             "records": [experiment.name for experiment in self.experiments],
             "warnings": list(self.warnings),
             "seconds": self.seconds,
@@ -248,7 +253,9 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
 
 def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str) -> list[Cause]:
     """Return the causes, the most probable first; what is not listed is shared out among those listed."""
-    order = sorted(range(len(candidates)), key=lambda number: (-judgement.probabilities[number], number))
+    order = sorted(
+        range(len(candidates)), key=lambda number: (-judgement.probabilities[number], candidates[number].score.misfit)
+    )
     listed = order[:SHOWN_CAUSES]
     if 0 not in listed:
         listed.append(0)

@@ -40,6 +40,9 @@ FEW_BLOCKS = 6
 LEAST_TRACE = 0.3
 """Change of the readings, in units of the noise, below which a cause is the same model as without it."""
 
+WITHIN_FORM = 8.0
+"""The same for declared aliases that both explain the gap: they may differ by their form alone."""
+
 MOST_RIVALS = 4
 
 
@@ -128,20 +131,20 @@ def unknown_probability(likely: Candidate, base: Candidate, floors: tuple[float,
 
 
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:
-    """Return the causes, of no more effects, whose error on unseen data is as good as the chosen one's.
+    """Return the causes, of no more effects, whose error on unseen data is like the chosen one's.
 
-    The empty cause means the base alone. A cause that only adds to the chosen one is no rival. A declared alias that
-    explains the gap is one even where its error is larger: the difference may be one of form.
+    The empty cause means the base alone. A cause that only adds to the chosen one is no rival.
     """
-    mine = candidates[chosen]
+    base, mine = candidates[0], candidates[chosen]
     found: list[tuple[float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
         if number == chosen or len(other.effects) > max(len(mine.effects), 1) or other.trace < LEAST_TRACE:
             continue
         if mine.effects and set(mine.effects) < set(other.effects):
             continue
-        is_close = judgement.evidence[number] > judgement.evidence[chosen] - WITHIN_ERROR
-        if is_close or (are_aliases(mine.effects, other.effects) and explains(other, candidates[0])):
+        difference = abs(judgement.evidence[number] - judgement.evidence[chosen])
+        is_alias = are_aliases(mine.effects, other.effects) and explains(other, base) and explains(mine, base)
+        if difference < (WITHIN_FORM if is_alias else WITHIN_ERROR):
             found.append((-judgement.evidence[number], other.effects))
     return [effects for _, effects in sorted(found)][:MOST_RIVALS]
 

@@ -18,12 +18,13 @@ LIKE_THE_BAND = 0.02
 
 @dataclass(frozen=True)
 class Regime:
-    """One part of a record: where it is in words, the error there, and its share of the whole squared error."""
+    """One part of a record: where in words, the error there, its share of the squared error and of the time."""
 
     name: str
     where: str
     rms: float
     share: float
+    time_share: float
 
 
 def regimes_of(
@@ -51,7 +52,8 @@ def regimes_of(
         error = np.concatenate(pieces)
         if len(error) >= max(10, 0.005 * len(everything)):
             square = float(np.sum(error**2))
-            found.append(Regime(name, where, float(np.sqrt(square / len(error))), square / whole))
+            rms = float(np.sqrt(square / len(error)))
+            found.append(Regime(name, where, rms, square / whole, len(error) / len(everything)))
     return sorted(found, key=lambda regime: -regime.rms)
 
 

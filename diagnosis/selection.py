@@ -16,10 +16,11 @@ from diagnosis.score import Score, score_fit
 from identification.extension import extend, screened
 from identification.fit import Fit
 from identification.holdout import Holdout
+from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
-LEADERS = 3
+LEADERS = 2
 """Best causes that are tried with one more effect."""
 
 SHORTLIST = 5
@@ -37,7 +38,7 @@ FORM_SHARE = 0.2
 NEAR_THE_BEST = 1.6
 """Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
 
-WORTH_ANOTHER = 0.15
+WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
 Progress = Callable[[str, float], None]
@@ -112,7 +113,7 @@ def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: P
     """
     tried = [base]
     for is_jagged in (False, True):
-        keys = [effect.key for effect in EFFECTS if effect.is_jagged == is_jagged]
+        keys = [effect.key for effect in library_for(holdout) if effect.is_jagged == is_jagged]
         if is_jagged and any(explains(each, base) for each in tried):
             break
         tried += try_all([(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
@@ -123,7 +124,7 @@ def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: P
             break
         work: list[tuple[Fit, tuple[str, ...]]] = []
         for leader in leaders:
-            for key in shortlist(leader.fit):
+            for key in shortlist(leader.fit, library_for(holdout)):
                 effects = (*leader.effects, key)
                 if not any(set(effects) == set(other) for _, other in work):
                     work.append((leader.fit, effects))
@@ -149,9 +150,15 @@ def explains(candidate: Candidate, base: Candidate) -> bool:
     return misfit(candidate) < GOOD_ENOUGH or left < FORM_SHARE**2 * before
 
 
-def shortlist(fit: Fit) -> list[str]:
+def library_for(holdout: Holdout) -> list[Effect]:
+    """Return the effects that the records can show: settled loops show none that acts in time."""
+    is_loop = all(experiment.is_loop for experiment in holdout.experiments)
+    return [effect for effect in EFFECTS if not (is_loop and effect.acts_in_time)]
+
+
+def shortlist(fit: Fit, library: Sequence[Effect]) -> list[str]:
     """Return the effects that promise most on what a fit leaves over."""
-    keys = [effect.key for effect in EFFECTS if effect.key not in fit.model.effects]
+    keys = [effect.key for effect in library if effect.key not in fit.model.effects]
     gains = {key: max((trial.gain for trial in screened(fit, effect_of_key(key))), default=0.0) for key in keys}
     return sorted(keys, key=lambda key: -gains[key])[:SHORTLIST]
 

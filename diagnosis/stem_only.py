@@ -524,7 +524,7 @@ def regimes_of_rows(joined: Joined, residual: np.ndarray) -> list[Regime]:
     for (name, where), mask in masks.items():
         if mask.sum() >= FEWEST_SAMPLES:
             share = float(np.sum(residual[mask] ** 2)) / whole
-            found.append(Regime(name, where, root_mean_square(residual[mask]), share))
+            found.append(Regime(name, where, root_mean_square(residual[mask]), share, float(mask.mean())))
     return sorted(found, key=lambda regime: -regime.rms)
 
 

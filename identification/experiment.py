@@ -24,6 +24,9 @@ ANCHOR_INTERVAL = 2.0
 ANCHOR_REACH = 3
 """Readings on either side that an anchor is the mean of."""
 
+ANCHOR_TOLERANCE = 1.5
+"""A run is put anew on an anchor from which it is off by more than this, far above the anchor's own error. [noise]"""
+
 LOOP_NOISE = 0.002
 """Noise of a settled loop, which has no neighbours in time to take it from, over its range."""
 
@@ -49,6 +52,8 @@ class Experiment:
         Of the readings, estimated from themselves.
     block : array of int, shape (n,)
         Number of the block in time that a sample belongs to.
+    is_loop : bool
+        Whether the time is made up: settled pairs without one.
     """
 
     name: str
@@ -59,6 +64,7 @@ class Experiment:
     noise: float
     pressure_noise: float
     block: np.ndarray
+    is_loop: bool = False
 
     @cached_property
     def anchors(self) -> np.ndarray:
@@ -120,7 +126,8 @@ def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
         position = np.insert(position, 0, np.nan)
         pressure = None if pressure is None else np.insert(pressure, 0, np.nan)
     block = (time // block_time).astype(int)
-    return Experiment(record.name, time, current, position, pressure, noise, pressure_noise, block)
+    is_loop = record.time is None
+    return Experiment(record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +153,7 @@ def simulate_rows(
     position = np.empty(shape)
     pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (chain.NONE, chain.NONE)
     states = np.zeros(len(rows), STATE)
+    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     chain.run_chain(
         rows, states, experiment.time, experiment.current, anchors, chain.CURRENT, substep, tolerance,
         position, pressure, mode,

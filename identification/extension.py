@@ -51,8 +51,9 @@ def extend(fit: Fit, key: str) -> Fit:
     """
     effect = effect_of_key(key)
     trials = screened(fit, effect)
-    if effect.is_jagged:
-        problem, best = search_jagged(fit, effect, trials)
+    if effect.is_jagged and trials[0].gain > 0.0:
+        searched = [search_jagged(fit, effect, group) for group in alike(effect, trials)]
+        problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
         followed = [
             (trial.problem, descend(trial.problem, trial.point, evaluations=12, precision=1e-3))
@@ -62,12 +63,23 @@ def extend(fit: Fit, key: str) -> Fit:
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
+def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
+    """Return the trials in groups that differ in fitted parameters only; each group needs a search of its own."""
+    held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
+    groups: dict[tuple[float, ...], list[Trial]] = {}
+    for trial in trials:
+        values = trial.problem.model.effects[effect.key]
+        groups.setdefault(tuple(values[name] for name in held), []).append(trial)
+    return list(groups.values())
+
+
 def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
     """Search globally where the error has many minima.
 
     The fit's unknowns move along the principal directions of their Jacobian, each by up to twice what changes the
     residual as much as it is large; the effect's parameters move between the outermost of neutral and starts. One
-    search looks at the re-anchored run, one at the free run; the point that does best by both together wins.
+    search looks at the re-anchored run and, unless that is lost at once, one at the free run; the point that does best
+    by both together wins.
     """
     problem, centre = trials[0].problem, fit.found.point
     known, added = len(centre), len(problem.unknowns) - len(centre)
@@ -82,7 +94,7 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
-    for each in yardsticks:
+    for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
         best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=SEARCH_GENERATIONS)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 

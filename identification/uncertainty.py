@@ -9,6 +9,7 @@ import numpy as np
 
 from identification.experiment import Experiment
 from identification.fit import Fit
+from valvemodel.effects import effect_of_key
 
 UNDETERMINED_SHARE = 0.5
 """A parameter that the record narrows to no less than this share of its prior is not determined by it."""
@@ -32,12 +33,19 @@ def estimates(fit: Fit) -> list[Estimate]:
     """Return the fitted parameters of valve and effects, start positions left out.
 
     The covariance is the sandwich of the Jacobian and of the scores summed by block in time, so that neighbouring
-    errors that go together widen it.
+    errors that go together widen it. The parameters of an effect whose error has many minima have no standard
+    deviation: the error has no slope that a record could be trusted to show.
     """
     jacobian = fit.problem.jacobian(fit.found.point)
     residual = fit.problem.residuals(fit.found.point[None, :])[0]
     spread = np.sqrt(np.diag(covariance(jacobian, residual, blocks_of(fit))))
     with_prior = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)))
+    jagged = {
+        parameter.name
+        for key in fit.model.effects
+        if effect_of_key(key).is_jagged
+        for parameter in effect_of_key(key).parameters
+    }
     found = []
     for unknown, x, deviation, left_open in zip(fit.unknowns, fit.found.point, spread, with_prior, strict=True):
         if unknown.experiment >= 0:
@@ -47,7 +55,8 @@ def estimates(fit: Fit) -> list[Estimate]:
         is_at_bound = bool(min(x - low, high - x) < AT_BOUND)
         widest = UNDETERMINED_SHARE * unknown.prior_spread
         is_determined = left_open < widest and (deviation < widest or not unknown.is_logarithmic)
-        std = float(deviation * unknown.slope(value)) if is_determined and not is_at_bound else None
+        is_smooth = unknown.name not in jagged
+        std = float(deviation * unknown.slope(value)) if is_determined and is_smooth and not is_at_bound else None
         found.append(Estimate(unknown.name, value, unknown.unit, std, is_at_bound))
     return found
 

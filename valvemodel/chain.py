@@ -49,7 +49,7 @@ def has_pressure_dynamics(p):
         or p.chamber_filling_time > 0.0
         or p.fill_time > 0.0
         or p.vent_time > 0.0
-        or p.filling_slowness > 0.0
+        or p.filling_slowness != 0.0
         or p.droop_gain > 0.0
         or p.droop_consumption > 0.0
     )
@@ -85,6 +85,8 @@ def start_chain(p, state, drive, driven_by, time):
     else:
         put_stem(p, state, unbow(p, p.start_position - sensor_drift(p, time)), state.pressure, time)
     rest_sensor(p, state)
+    if p.backlash_start != 0.0:
+        state.position -= p.backlash_start * p.backlash_half_width
 
 
 @inlined
@@ -172,8 +174,13 @@ def hold_delayed(p, state, time, drive, period, tolerance):
 
 @compiled
 def anchor_stem(p, state, reading, time):
-    """Shift stem and linkage to a reading; motion, play and friction stay as they are."""
+    """Shift stem and linkage to a reading that they are off by more than the tolerance; motion and friction stay.
+
+    A shift as small as the noise of the reading would decide, at the brink of breakaway, whether the stem slips.
+    """
     shift = unbow(p, reading - sensor_drift(p, time)) - state.linkage
+    if abs(shift) <= p.anchor_tolerance:
+        return
     state.position += shift
     state.linkage += shift
     state.lagged_reading = bow(p, state.linkage)

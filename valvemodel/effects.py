@@ -15,10 +15,14 @@ def effect_of_key(key: str) -> Effect:
     Raises
     ------
     InputError
-        If there is none; names the nearest.
+        If there is none; names the nearest, or where they are listed.
     """
     if key not in _BY_KEY:
-        raise unknown_name("an effect", key, _BY_KEY)
+        error = unknown_name("an effect", key, _BY_KEY)
+        has_near = error.remedy.startswith("did you mean")
+        raise InputError(
+            error.rule, error.arrived, error.remedy if has_near else "choose one that `valvemodel effects` lists"
+        )
     return _BY_KEY[key]
 
 
@@ -29,19 +33,37 @@ def parse_effect(text: str) -> tuple[str, dict[str, float]]:
     -------
     (str, dict)
         The key and the values that were named. [SI]
+
+    Raises
+    ------
+    InputError
+        If it is not written so, or a parameter comes twice.
     """
     from valvemodel.quantities import parse_quantity
 
-    key, _, rest = text.partition(":")
+    key, colon, rest = text.partition(":")
     effect = effect_of_key(key.strip())
-    values = {}
-    for part in filter(None, (piece.strip() for piece in rest.split(","))):
+    values: dict[str, float] = {}
+    parts = [piece.strip() for piece in rest.split(",") if piece.strip()]
+    if colon and not parts:
+        raise InputError(
+            "an effect is written KEY or KEY:name=value,name=value",
+            f"got nothing behind the colon of {text!r}",
+            "add a value, or leave the colon out for typical values",
+        )
+    for part in parts:
         name, separator, number = part.partition("=")
         if not separator:
             raise InputError(
                 "an effect is written KEY:name=value,name=value", f"got {part!r} in {text!r}", "add the value"
             )
         parameter = effect.parameter(name.strip())
+        if parameter.name in values:
+            raise InputError(
+                "a parameter of an effect is given once",
+                f"{parameter.name} came twice in {text!r}",
+                "keep one of its values",
+            )
         try:
             values[parameter.name] = float(number)
         except ValueError:

@@ -21,13 +21,17 @@ def write_beside(path: Path, write: Callable[[BinaryIO], object]) -> None:
     Raises
     ------
     InputError
-        If the folder does not exist or cannot be written.
+        If the folder does not exist, or the file cannot be written.
     """
-    path = Path(os.path.realpath(path))
-    if path.exists() and not path.is_file() and not path.is_dir():
-        with open(path, "wb") as file:
-            write(file)
+    # before the link is followed: the target of /dev/stdout is no path where it is a pipe
+    if os.path.exists(path) and not os.path.isfile(path) and not os.path.isdir(path):
+        try:
+            with open(path, "wb") as file:
+                write(file)
+        except OSError as error:
+            raise _not_written(Path(path), error) from None
         return
+    path = Path(os.path.realpath(path))
     try:
         handle, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
@@ -44,10 +48,14 @@ def write_beside(path: Path, write: Callable[[BinaryIO], object]) -> None:
     except BaseException as error:
         Path(beside).unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise InputError(
-                "an output file must be writable", f"{path}: {error.strerror}", "choose another place"
-            ) from None
+            raise _not_written(path, error) from None
         raise
+
+
+def _not_written(path: Path, error: OSError) -> InputError:
+    # an error of polars carries its reason as text only
+    reason = error.strerror or str(error)
+    return InputError("an output file must be writable", f"{path}: {reason}", "make room or choose another place")
 
 
 def write_text(path: Path, text: str) -> None:

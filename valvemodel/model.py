@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -121,7 +122,8 @@ def read_model(path: Path) -> Model:
     Raises
     ------
     InputError
-        If the file is not such a model; says which entry and why.
+        If the file is not such a model, a number is missing or its unit is not the declared one; says which
+        entry and why.
     """
     path = Path(path)
     remedy = "give a model.json or base.json that valvemodel fit or diagnose wrote"
@@ -134,17 +136,11 @@ def read_model(path: Path) -> Model:
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         found = content.get("schema") if isinstance(content, dict) else type(content).__name__
         raise InputError(f"a model file has the schema {SCHEMA!r}", f"{path} has {found!r}", remedy)
-    valve = {name: _number(path, name, entry) for name, entry in _table(path, content, "valve").items()}
+    valve = _numbers(path, "the valve", BASE_PARAMETERS, _table(path, "valve", content.get("valve", {})))
     effects = {
-        key: {name: _number(path, name, entry) for name, entry in values.items()}
-        for key, values in _table(path, content, "effects").items()
+        key: _numbers(path, key, effect_of_key(key).parameters, _table(path, key, values))
+        for key, values in _table(path, "effects", content.get("effects", {})).items()
     }
-    for name in ("travel_min", "travel_max"):
-        valve.setdefault(name, -math.inf if name == "travel_min" else math.inf)
-    for key, values in effects.items():
-        for parameter in effect_of_key(key).parameters:
-            if parameter.name not in values and not math.isfinite(parameter.neutral):
-                values[parameter.name] = parameter.neutral
     return Model(str(content.get("name", path.stem)), valve, effects)
 
 
@@ -164,26 +160,58 @@ def check_valve(values: Values) -> None:
 def _within(parameter: Parameter, value: float) -> float:
     if value == parameter.neutral or parameter.low <= value <= parameter.high:
         return value
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
     raise InputError(
-        f"{parameter.name} must lie in {parameter.low:g}..{parameter.high:g} {parameter.unit}",
+        f"{parameter.name} must lie in {parameter.low:g}..{parameter.high:g}{unit}",
         f"got {value:g}",
         f"its meaning is: {parameter.meaning}",
     )
 
 
-def _table(path: Path, content: dict[str, Any], name: str) -> dict[str, Any]:
-    table = content.get(name, {})
-    if not isinstance(table, dict) or not all(isinstance(entry, dict) for entry in table.values()):
-        raise InputError(f"{name!r} of a model file is a table", f"{path} has {table!r}", "write it anew")
+def _table(path: Path, name: str, table: Any) -> dict[str, Any]:
+    if not isinstance(table, dict):
+        raise InputError(
+            f"{name!r} of a model file is a table", f"{path}: it is {reprlib.repr(table)}", "write it anew"
+        )
     return table
 
 
-def _number(path: Path, name: str, entry: Any) -> float:
-    value = entry.get("value") if isinstance(entry, dict) else None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+def _numbers(path: Path, owner: str, parameters: Sequence[Parameter], table: dict[str, Any]) -> dict[str, float]:
+    """Return the numbers of the valve or of an effect; only those that are infinite when neutral may be left out."""
+    declared = {parameter.name: parameter for parameter in parameters}
+    for name in table:
+        if name not in declared:
+            raise unknown_name(f"a parameter of {owner}", name, declared)
+    missing = [name for name in declared if name not in table and math.isfinite(declared[name].neutral)]
+    if missing:
         raise InputError(
-            "each number of a model file is a table with a value",
-            f"{path}: {name} is {entry!r}",
-            "write it anew",
+            f"a model file has every number of {owner}",
+            f"{path} lacks {', '.join(missing)}",
+            "add it with its unit, or write the file anew",
         )
-    return float(value)
+    return {
+        name: _number(path, parameter, table[name]) if name in table else parameter.neutral
+        for name, parameter in declared.items()
+    }
+
+
+def _number(path: Path, parameter: Parameter, entry: Any) -> float:
+    name, unit = parameter.name, parameter.unit
+    try:
+        value = float(entry["value"]) if type(entry["value"]) in (int, float) else math.nan
+    except (KeyError, TypeError, OverflowError):
+        value = math.nan
+    if not isinstance(entry, dict) or not math.isfinite(value):
+        raise InputError(
+            "each number of a model file is a table with a value and a unit",
+            f"{path}: {name} is {reprlib.repr(entry)}",
+            f'write "{name}": {{"value": NUMBER, "unit": "{unit}"}}',
+        )
+    if entry.get("unit") != unit:
+        arrived = f"the unit {entry['unit']!r}" if "unit" in entry else "no unit"
+        raise InputError(
+            f"{name} of a model file is in {unit!r}",
+            f"{path}: {name} has {arrived}",
+            f"convert the value and give it the unit {unit!r}",
+        )
+    return value

@@ -26,7 +26,7 @@ def _fingerprint() -> str:
 EFFECT_PARAMETERS = tuple(parameter for effect in EFFECTS for parameter in effect.parameters)
 PARAMETERS = np.dtype(
     [(parameter.name, "f8") for parameter in BASE_PARAMETERS + EFFECT_PARAMETERS]
-    + [("start_position", "f8"), (_fingerprint(), "f8")]
+    + [("start_position", "f8"), ("anchor_tolerance", "f8"), (_fingerprint(), "f8")]
 )
 """Type of the record of numbers that the compiled chain reads."""
 
@@ -58,6 +58,7 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
     ----------
     values : mapping of parameter name to SI value
         `start_position` may be among them (a reading); NaN or absent means at rest in the middle of the stuck band.
+        `anchor_tolerance` is how far a run may be off an anchor without being put anew; 0 where absent. [m]
     count : int
         Number of rows.
 
@@ -69,4 +70,5 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
     for parameter in BASE_PARAMETERS + EFFECT_PARAMETERS:
         rows[parameter.name] = values.get(parameter.name, parameter.neutral)
     rows["start_position"] = values.get("start_position", np.nan)
+    rows["anchor_tolerance"] = values.get("anchor_tolerance", 0.0)
     return rows

@@ -26,6 +26,9 @@ STAGE_PARTS = {
 }
 """What a stage is made of, so that a reader knows where to go with a spanner."""
 
+_CONCENTRATED = 0.1
+"""A regime is worth a sentence where its share of the gap exceeds its share of the time by this."""
+
 _SURE, _LIKELY = 0.9, 0.6
 """Probabilities from which a cause is named without reserve, and as the most likely one."""
 _WORTH_SAYING = 0.05
@@ -332,11 +335,18 @@ def _where(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
         if rivals - own and (len(likely) < 2 or len(own) > 1):
             elsewhere = listed([f"the {stage}" for stage in STAGES if stage in rivals - own], "or")
             sentences.append(f"An effect that looks the same here would lie in {elsewhere}.")
-    worst = max(where.get("regimes") or (), key=lambda each: each.get("share") or 0.0, default=None)
-    if worst and worst.get("share"):
+    worst = max(where.get("regimes") or (), key=_beyond_its_time, default=None)
+    if worst and diagnosis["verdict"] != "none" and _beyond_its_time(worst) > _CONCENTRATED:
         words = worst.get("where") or worst.get("name")
-        sentences.append(f"{capitalised(percent(worst['share']))} of the gap arises {words}.")
+        time = worst.get("time_share")
+        spent = f", which is {percent(time)} of the record" if is_number(time) else ""
+        sentences.append(f"{capitalised(percent(worst['share']))} of the gap arises {words}{spent}.")
     return tuple(sentences)
+
+
+def _beyond_its_time(regime: Mapping[str, Any]) -> float:
+    """Return by how much a regime's share of the gap exceeds its share of the time."""
+    return float(regime.get("share") or 0.0) - float(regime.get("time_share") or 0.0)
 
 
 def _own_stages(diagnosis: Mapping[str, Any]) -> list[str]:
@@ -470,10 +480,10 @@ def _next_step(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ..
     if verdict == "none":
         return "Use the refitted model (base.json). Look for effects again only where a new record shows a gap."
     if verdict == "unknown":
+        measured = "" if "pressure" in (diagnosis.get("signals") or ()) else "the actuator pressure measured and with "
         return (
             f"Look at {parts}, and in the report at what the models leave: when and where it is large is the "
-            "lead. A second record, with the actuator pressure measured and with slower and faster strokes, "
-            "narrows it down."
+            f"lead. A second record, with {measured}slower and faster strokes, narrows it down."
         )
     ways = dict.fromkeys(each.told_apart_by[0] for each in alternatives if each.told_apart_by)
     if ways:

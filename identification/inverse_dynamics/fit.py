@@ -95,7 +95,11 @@ class StemFit:
     def by_effect(self) -> dict[str, dict[str, Estimate]]:
         """Return the effects' own parameters, by effect."""
         return {
-            key: {each.name: self.parameters[each.name] for each in stem_effect(key).declaration.parameters}
+            key: {
+                each.name: self.parameters[each.name]
+                for each in stem_effect(key).declaration.parameters
+                if each.name in self.parameters
+            }
             for key in self.effects
         }
 

@@ -61,11 +61,9 @@ class StemEffect:
         return next(effect for effect in EFFECTS if effect.key == self.key)
 
     def is_admissible(self, parameters: Values) -> bool:
-        """Return whether all parameters are within the bounds of the declaration."""
-        return all(
-            math.isfinite(parameters[each.name]) and each.low <= parameters[each.name] <= each.high
-            for each in self.declaration.parameters
-        )
+        """Return whether the parameters are within the bounds of the declaration; unnamed ones are typical."""
+        named = [(each, parameters[each.name]) for each in self.declaration.parameters if each.name in parameters]
+        return all(math.isfinite(value) and each.low <= value <= each.high for each, value in named)
 
 
 LINEAR_DRIFT_TIME = 3000.0

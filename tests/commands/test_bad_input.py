@@ -38,6 +38,14 @@ BAD = [
         f"simulate --effect stribeck:stribeck_ratio=99 --input {IN} --out {OUT}",
         "1..3",
     ),
+    ("bounds without unit", f"simulate --effect stribeck:stribeck_ratio=99 --input {IN} --out {OUT}", "1..3\n"),
+    (
+        "parameter twice",
+        f"simulate --effect stribeck:stribeck_ratio=1.2,stribeck_ratio=1.3 --input {IN} --out {OUT}",
+        "stribeck_ratio came twice",
+    ),
+    ("nothing behind a colon", f"simulate --effect stribeck: --input {IN} --out {OUT}", "behind the colon"),
+    ("effect like no other", f"simulate --effect xyzq --input {IN} --out {OUT}", "`valvemodel effects`"),
     ("effect twice", f"simulate --effect stribeck --effect stribeck --input {IN} --out {OUT}", "came twice"),
     ("start without unit", f"simulate --start-position 28.15 --input {IN} --out {OUT}", "28.15 mm"),
     (
@@ -54,6 +62,22 @@ BAD = [
     ("effect to fit twice", f"fit {IN} --effect stribeck --effect stribeck --out {DIR}", "came twice"),
     ("record twice", f"diagnose {IN} {IN} --out {DIR}", "came twice"),
     ("kinds mixed", f"diagnose {IN} stem.csv --out {DIR}", "have one kind"),
+    ("loop and time fitted", f"fit loop.csv {IN} --out {DIR}", "loop.csv is a settled loop"),
+    ("loop and time diagnosed", f"diagnose {IN} loop.csv --out {DIR}", "loop.csv is a settled loop"),
+    ("input as output", "simulate --input input.csv --out input.csv", "another file than --input"),
+    ("input as output by a link", "simulate --input input.csv --out link.csv", "another file than --input"),
+    (
+        "model as output",
+        f"simulate --model other.json --input {IN} --out ./other.json",
+        "another file than --model",
+    ),
+    (
+        "valve as output",
+        f"simulate --valve valve.toml --input {IN} --out valve.toml",
+        "another file than --valve",
+    ),
+    ("full device", f"simulate --input {IN} --out /dev/full", "No space left on device"),
+    ("full device, Parquet", f"simulate --input {IN} --out full.parquet", "No space left on device"),
     ("no position", f"diagnose input.csv --out {DIR}", "position"),
     ("no jobs", f"diagnose {IN} --jobs 0 --out {DIR}", "--jobs"),
     ("unknown effect to show", "effects stribek", "did you mean stribeck"),
@@ -73,6 +97,9 @@ def files(tmp_path):
     }
     for name, (header, row) in write.items():
         (tmp_path / name).write_text("\n".join([header, *(row.format(*each) for each in ramp)]) + "\n")
+    (tmp_path / "valve.toml").write_text("")
+    (tmp_path / "link.csv").symlink_to("input.csv")
+    (tmp_path / "full.parquet").symlink_to("/dev/full")
     return tmp_path
 
 
@@ -85,6 +112,13 @@ def test_message_says_what_to_do(command, files, short_record, words, expected):
     assert result.stdout == ""
     assert "Traceback" not in result.output
     assert sorted(files.rglob("*")) == before
+
+
+def test_folder_as_record_is_said_once(command, files):
+    result = command("diagnose", files, "--out", DIR)
+    assert result.exit_code == 2
+    assert result.stderr.count("is a folder") == 1
+    assert result.stderr.splitlines()[1] == f"  found:  {files} is a folder"
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -1,5 +1,6 @@
 """`valvemodel simulate` writes a table that is exact, and starts where it was told."""
 
+import json
 import os
 import subprocess
 import sys
@@ -8,7 +9,7 @@ import numpy as np
 import polars
 import pytest
 
-from valvemodel import Model, read_record, read_valve, simulate
+from valvemodel import Model, read_model, read_record, read_valve, simulate
 
 COLUMNS = ["time [s]", "current [mA]", "pressure [kPa]", "position [mm]", "mode"]
 
@@ -61,6 +62,70 @@ def test_written_model_gives_what_its_effects_give(command, short_record, tmp_pa
     effect = "static_friction:static_friction_ratio=1.3"
     command("simulate", "--input", short_record, "--effect", effect, "--out", "b.csv")
     assert (tmp_path / "a.csv").read_text() == (tmp_path / "b.csv").read_text()
+
+
+def test_number_of_a_model_needs_its_unit_and_its_place(command, short_record, tmp_path):
+    whole = calibrated().with_effect("static_friction", static_friction_ratio=1.3).as_json()
+    place = tmp_path / "model.json"
+
+    def said_of(table, name, entry):
+        content = json.loads(json.dumps(whole))
+        owner = content["valve"] if table == "valve" else content["effects"][table]
+        if entry is None:
+            del owner[name]
+        else:
+            owner[name] = entry
+        place.write_text(json.dumps(content))
+        result = command("simulate", "--model", place, "--input", short_record, "--out", "out.csv")
+        assert result.exit_code == 2, result.output
+        assert len(result.stderr.splitlines()) == 3
+        assert len(result.stderr) < 500
+        assert not (tmp_path / "out.csv").exists()
+        return result.stderr
+
+    said = said_of("valve", "spring_rate", {"value": 52.5, "unit": "N/mm"})
+    assert all(word in said for word in ("spring_rate", "'N/mm'", "'N/m'"))
+    assert "spring_rate has no unit" in said_of("valve", "spring_rate", {"value": 52500.0})
+    assert "lacks spring_rate" in said_of("valve", "spring_rate", None)
+    assert "spring_rate is 5\n" in said_of("valve", "spring_rate", 5)
+    assert "spring_rate is" in said_of("valve", "spring_rate", {"value": True, "unit": "N/m"})
+    assert "spring_rate is" in said_of("valve", "spring_rate", {"value": 10**400, "unit": "N/m"})
+    assert "did you mean spring_rate" in said_of("valve", "spring_rat", {"value": 1.0, "unit": "N/m"})
+    assert "lacks static_friction_ratio" in said_of("static_friction", "static_friction_ratio", None)
+    said = said_of("static_friction", "static_friction_ratio", {"value": 1.3, "unit": "%"})
+    assert all(word in said for word in ("static_friction_ratio", "'%'", "'1'"))
+
+
+def test_infinite_numbers_may_be_left_out_of_a_model(tmp_path):
+    model = calibrated().with_effect("end_stop", upper_stop=0.1)
+    model.write(tmp_path / "model.json")
+    assert "lower_stop" not in (tmp_path / "model.json").read_text()
+    assert read_model(tmp_path / "model.json") == model
+
+
+def test_typical_values_are_said_where_they_are_taken(command, short_record):
+    words = ("simulate", "--input", short_record, "--out", "out.csv", "--effect")
+    assert "stribeck at typical values: stribeck_ratio 1.3" in command(*words, "stribeck").stderr
+    some = command(*words, "stribeck:stribeck_ratio=1.4").stderr
+    assert "stribeck at typical values: " in some
+    assert "stribeck_ratio" not in some
+    assert "typical" not in command(*words, "static_friction:static_friction_ratio=1.2").stderr
+
+
+def test_start_beyond_the_travel_is_a_warning(command, short_record):
+    words = ("simulate", "--input", short_record, "--out", "out.csv", "--start-position")
+    result = command(*words, "-5000 mm")
+    assert result.exit_code == 0, result.output
+    assert "warning: the start at -5000 mm is beyond the rated travel, 250 mm" in result.stderr
+    assert "beyond" not in command(*words, "-20 mm").stderr
+
+
+def test_table_goes_into_a_pipe(short_record, tmp_path):
+    words = ["simulate", "--input", str(short_record), "--out"]
+    done = subprocess.run([sys.executable, "-m", "valvemodel", *words, "/dev/stdout"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    subprocess.run([sys.executable, "-m", "valvemodel", *words, str(tmp_path / "out.csv")], check=True)
+    assert done.stdout == (tmp_path / "out.csv").read_text()
 
 
 def test_parquet_is_written_where_the_name_says_so(command, short_record, tmp_path):

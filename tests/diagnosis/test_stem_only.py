@@ -67,7 +67,8 @@ def check_contract(content: dict) -> None:
     where, causes, gap = content["where"], content["causes"], content["gap"]
     assert where["stage"] == (None if content["verdict"] == "none" else "stem")
     assert set(where["stage_probability"]) == set(STAGES)
-    assert [set(regime) for regime in where["regimes"]] == [{"name", "where", "rms", "share"}] * len(where["regimes"])
+    keys = {"name", "where", "rms", "share", "time_share"}
+    assert all(set(regime) == keys for regime in where["regimes"])
     probabilities = [cause["probability"] for cause in causes]
     assert sum(probabilities) + content["unknown_probability"] == pytest.approx(1.0)
     assert probabilities == sorted(probabilities, reverse=True)

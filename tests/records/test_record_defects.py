@@ -258,6 +258,10 @@ WARNINGS = {
         ["sampling is irregular"],
     ),
     "slow time": (scaled("time", 1000), ["samples are 20 s apart", "really in s"]),
+    "milliseconds that are seconds": (
+        text_of_a_valve(header=HEADER.replace("[s]", "[ms]")),
+        ["the record lasts 0.00118 s; is the unit of time right?"],
+    ),
     "outside 4..20": (scaled("current", 1.2), ["outside 4..20 mA", "line 19", "21.12 mA"]),
     "negative pressure": (scaled("pressure", 1, -45), ["negative", "line 2", "-5 kPa"]),
     "bar as kPa": (scaled("pressure", 0.01), ["is it in bar?"]),
@@ -384,8 +388,9 @@ def test_many_rows_are_a_warning(tmp_path, monkeypatch):
 def test_missing_file_and_folder_are_errors(tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         read_record(tmp_path / "nothing.csv")
-    with pytest.raises(InputError, match="is a folder"):
+    with pytest.raises(InputError, match="is a folder") as caught:
         read_record(tmp_path)
+    assert caught.value.arrived == f"{tmp_path} is a folder"
     with pytest.raises(InputError, match="is a device"):
         read_record("/dev/null")
 

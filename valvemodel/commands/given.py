@@ -42,21 +42,28 @@ def measured_records(paths: Sequence[Path], model: Model, rated_travel: float | 
     Raises
     ------
     InputError
-        If one cannot be used, is given twice, or records of the whole valve and of the stem alone are mixed.
+        If one cannot be used, is given twice, or time records, settled loops and records of the stem are mixed.
     """
     from valvemodel.records import read_record
 
     _check_each_once(paths)
     records = [_in_metres(read_record(path, rated_travel=rated_travel), model) for path in paths]
-    stem = [record.kind == "stem" for record in records]
-    if any(stem) and not all(stem):
-        whole, alone = paths[stem.index(False)], paths[stem.index(True)]
-        raise InputError(
-            "records of one run have one kind",
-            f"{whole} has current, {alone} has force instead",
-            "give them to runs of their own",
-        )
+    kinds = [record.kind for record in records]
+    for path, kind in zip(paths, kinds, strict=True):
+        if kind != kinds[0]:
+            raise InputError(
+                "records of one run have one kind",
+                f"{paths[0]} is {_KINDS[kinds[0]]}, {path} is {_KINDS[kind]}",
+                "give them to runs of their own",
+            )
     return records
+
+
+_KINDS = {
+    "time": "a time record",
+    "loop": "a settled loop without time",
+    "stem": "of the stem alone, with force instead of current",
+}
 
 
 def _check_each_once(paths: Sequence[Path]) -> None:
@@ -83,21 +90,36 @@ def _in_metres(record: Record, model: Model) -> Record:
     return replace(record, position=record.position * travel, position_unit="m", warnings=(*kept, note))
 
 
-def with_effects(model: Model, texts: Sequence[str]) -> Model:
+def with_effects(model: Model, texts: Sequence[str]) -> tuple[Model, list[str]]:
     """Switch on the effects that were given as KEY or KEY:name=value,name=value.
+
+    Returns
+    -------
+    (Model, list of str)
+        The model, and for each effect a line that says which typical values were taken, if any.
 
     Raises
     ------
     InputError
         If an effect or a parameter is unknown, or an effect comes twice.
     """
-    from valvemodel.effects import parse_effect
+    from valvemodel.effects import effect_of_key, parse_effect
+    from valvemodel.quantities import format_quantity
 
     given: set[str] = set()
+    notes = []
     for text in texts:
         key, values = parse_effect(text)
         if key in given:
             raise InputError("an effect is given once", f"{key} came twice", "put all its values into one")
         given.add(key)
-        model = model.with_effect(key, **{**model.effects.get(key, {}), **values})
-    return model
+        values = {**model.effects.get(key, {}), **values}
+        model = model.with_effect(key, **values)
+        taken = [
+            f"{each.name} {format_quantity(model.effects[key][each.name], each.unit)}"
+            for each in effect_of_key(key).parameters
+            if each.name not in values
+        ]
+        if taken:
+            notes.append(f"{key} at typical values: {', '.join(taken)}")
+    return model, notes

@@ -49,6 +49,23 @@ def check_file(path: Path) -> None:
         raise InputError(rule, f"{path.parent} may not be written", remedy)
 
 
+def check_not_input(out: Path, given: dict[str, Path | str | None]) -> None:
+    """Refuse an output file that is an input too; inputs by the option that named them.
+
+    Raises
+    ------
+    InputError
+        If they are the same file, by whatever name.
+    """
+    for option, path in given.items():
+        if path is not None and os.path.isfile(path) and os.path.exists(out) and os.path.samefile(path, out):
+            raise InputError(
+                f"--out is another file than {option}",
+                f"{out} is the file that {option} names, {path}",
+                "choose another place with --out",
+            )
+
+
 def write_together(folder: Path, write: Callable[[Path], dict[str, Path]]) -> dict[str, Path]:
     """Write several files into a folder, all or, where `write` fails, none of them.
 

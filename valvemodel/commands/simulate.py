@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from valvemodel.commands.given import valve_model, valve_option, with_effects
-from valvemodel.commands.places import check_file
+from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 
 
@@ -40,7 +40,8 @@ Examples:
     "effects",
     multiple=True,
     metavar="KEY[:name=value,...]",
-    help="Switch an effect on, with values in SI units or with a unit; may be given several times.",
+    help="Switch an effect on, with values in SI units or with a unit; values that are not named are the typical "
+    "ones, as `valvemodel effects KEY` shows them. May be given several times.",
 )
 @click.option(
     "--start-position",
@@ -71,20 +72,26 @@ def simulate(
     if valve is not None and model_file is not None:
         raise click.UsageError("--valve and --model exclude each other: give one of them.")
     check_file(out)
+    check_not_input(out, {"--input": input_file, "--model": model_file, "--valve": valve})
     import math
 
     from valvemodel.model import read_model
-    from valvemodel.quantities import parse_quantity
+    from valvemodel.quantities import format_quantity, parse_quantity
     from valvemodel.records import read_record, write_table
     from valvemodel.simulation import simulate as run
 
     model = valve_model(valve)[0] if model_file is None else read_model(model_file)
-    model = with_effects(model, effects)
+    model, notes = with_effects(model, effects)
     start = math.nan if start_position is None else parse_quantity(start_position, unit="m")
     record = read_record(input_file, needs=("time", "current"), allow_loop=False)
     assert record.time is not None
     assert record.current is not None
+    for note in notes:
+        click.echo(note, err=True)
     warn(record.warnings)
+    travel = model.values["rated_travel"]
+    if abs(start) > travel:
+        warn([f"the start at {format_quantity(start, 'm')} is beyond the rated travel, {format_quantity(travel, 'm')}"])
     trajectory = run(model, time=record.time, current=record.current, start_position=start)
     write_table(
         out,

@@ -11,6 +11,7 @@ from valvemodel.records.measurement import Measurement
 _GAP = 3.0  # times the median interval
 _IRREGULAR = 0.2  # spread of the middle nine tenths of the intervals over their median
 _SLOW, _FAST = 10.0, 1e-5  # [s]: median intervals beyond which the unit of time is doubtful
+_SHORT, _SHORT_ROWS = 1.0, 20  # [s]: a record of more rows that ends sooner has a doubtful unit of time
 _LIVE_ZERO, _LIVE_END = 3.8e-3, 20.5e-3  # [A]: the measuring range of NAMUR NE 43
 _MANY_ROWS = 2_000_000
 _COARSE_LEVELS = 50  # different readings over the whole range
@@ -76,8 +77,11 @@ def _time(measurement: Measurement, *, is_moving: bool) -> list[str]:
     unit = measurement.columns["time"].unit
     if median > _SLOW and is_moving:
         found.append(f"samples are {median:.4g} s apart: is time really in {unit}?")
+    duration = float(np.ptp(measurement.values("time")))
     if median < _FAST:
         found.append(f"samples are {median:.3g} s apart: is time really in {unit}?")
+    elif duration < _SHORT and len(measurement) > _SHORT_ROWS:
+        found.append(f"the record lasts {duration:.3g} s; is the unit of time right?")
     gaps = np.flatnonzero(steps > _GAP * median * (1 + 1e-9))
     if gaps.size:
         row = int(gaps[0]) + 1

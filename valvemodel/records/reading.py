@@ -127,6 +127,8 @@ def _load(path: Path) -> bytes:
                 "cut it, or export it as Parquet with fewer rows",
             )
         content = path.read_bytes()
+    except InputError:  # a ValueError too
+        raise
     except FileNotFoundError:
         raise InputError(rule, f"{path} does not exist", "check the name and the folder") from None
     except (OSError, ValueError) as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import polars
@@ -30,7 +30,14 @@ def write_table(path: str | Path, columns: Mapping[str, Any]) -> None:
         If the file cannot be written.
     """
     frame = polars.DataFrame([_series(name, values) for name, values in columns.items()])
-    write = frame.write_parquet if Path(path).suffix.lower() in (".parquet", ".pq") else frame.write_csv
+    write_frame = frame.write_parquet if Path(path).suffix.lower() in (".parquet", ".pq") else frame.write_csv
+
+    def write(file: BinaryIO) -> None:
+        try:
+            write_frame(file)
+        except polars.exceptions.ComputeError as error:  # a full disk, where the table is Parquet
+            raise OSError(str(error)) from None
+
     write_beside(Path(path), write)
 
 

@@ -65,6 +65,7 @@ EFFECTS = (
         source="eq. (17) with the resistance kept",
         parameters=(Parameter("coil_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
         aliases=("sensor_lag", "chamber_filling", "transport_delay"),
+        acts_in_time=True,
         told_apart_by=(
             "a measured pressure, or fast steps at low and high current: the lag is in current, before the bend"
         ),
@@ -90,6 +91,7 @@ EFFECTS = (
             ),
         ),
         aliases=("sensor_drift", "load_force", "friction_drift"),
+        acts_in_time=True,
         told_apart_by="a measured pressure; or drift followed at low and high current, where the gap acts differently",
     ),
 )

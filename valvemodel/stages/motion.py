@@ -29,6 +29,7 @@ from valvemodel.stages.stem import (
     lowest_position,
     sliding_friction,
     stribeck_excess,
+    stribeck_slope,
     tangent_stiffness,
     thrust,
     varies_in_time,
@@ -67,6 +68,7 @@ def plan_stem(p, state):
         state.plan_linear == 1.0
         and not varies_in_time(p)
         and p.area_slope == 0.0
+        and p.area_curvature == 0.0
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
@@ -206,7 +208,7 @@ def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
     if p.stribeck_ratio > 1.0:
         excess = stribeck_excess(p, coulomb, speed)
         friction += excess
-        damping -= excess / p.stribeck_velocity
+        damping -= stribeck_slope(p, excess, speed)
     start = (side * thrust(p, position, pressure, middle) - friction - viscous * speed) / mass
     if breaks_away and start <= 0.0:
         # Rounding, or a load that falls back within the duration: friction holds it after all.

@@ -41,6 +41,7 @@ EFFECTS = (
             ),
         ),
         aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
+        acts_in_time=True,
         told_apart_by="a measured pressure; steps up and down at several levels",
     ),
     Effect(
@@ -48,7 +49,7 @@ EFFECTS = (
         stage="nozzle",
         title="asymmetric filling",
         meaning="the amplifier fills and vents at different capacities, down to a rate limit one way",
-        equation=r"\dot P = (P_s - P)/T_\pm,\quad |\dot P| \le 1/s \text{ in the slower direction}",
+        equation=r"\dot P = (P_s - P)/T_\pm,\quad |\dot P| \le 1/|s| \text{ one way}",
         source="spool amplifier with unequal ports; first order with rate limit",
         parameters=(
             Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
@@ -56,14 +57,15 @@ EFFECTS = (
             Parameter(
                 "filling_slowness",
                 "s/Pa",
-                "inverse of the rate limit of the slower direction",
-                0.0,
+                "s: inverse of a rate limit, of venting where positive, of filling where negative",
+                -2e-3,
                 2e-3,
                 0.0,
-                (1e-5,),
+                (1e-5, -1e-5),
             ),
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction"),
+        acts_in_time=True,
         told_apart_by="a measured pressure; large steps both ways",
     ),
     Effect(
@@ -97,6 +99,7 @@ EFFECTS = (
             ),
         ),
         aliases=("chamber_filling", "asymmetric_filling"),
+        acts_in_time=True,
         told_apart_by="a gauge on the supply",
     ),
     Effect(
@@ -144,6 +147,7 @@ EFFECTS = (
         source="travel of a pressure wave along the tubing",
         parameters=(Parameter("transport_delay", "s", "dead time", 0.0, 3.0, 0.0, (0.08, 0.4)),),
         aliases=("coil_lag", "sensor_lag", "chamber_filling"),
+        acts_in_time=True,
         told_apart_by="a measured pressure, or a faster sampling of one step",
     ),
 )
@@ -252,14 +256,14 @@ def filling_rate(p, pressure, resting, gap, supply):
 
 @compiled
 def fill_unequally(p, state, target, duration):
-    """Follow a target at the capacity of the direction, rate-limited in the slower one; return the mean. [Pa]"""
+    """Follow a target at the capacity of the direction, rate-limited one way; return the mean. [Pa]"""
     departure = target - state.filled_pressure
     side = 1.0 if departure > 0.0 else -1.0
     time_constant = p.fill_time if side > 0.0 else p.vent_time
-    is_limited = p.filling_slowness > 0.0 and (side > 0.0) == (p.fill_time > p.vent_time)
+    is_limited = p.filling_slowness != 0.0 and (side < 0.0) == (p.filling_slowness > 0.0)
     left, area, size = duration, 0.0, abs(departure)
     if is_limited:
-        rate = 1.0 / p.filling_slowness
+        rate = 1.0 / abs(p.filling_slowness)
         ramp = min(max((size - rate * time_constant) / rate, 0.0), left)
         area += ramp * (size - 0.5 * rate * ramp)
         size -= rate * ramp
@@ -325,7 +329,7 @@ def advance_nozzle(p, state, gap, current, duration):
     if p.chamber_filling_time > 0.0:
         pressure = fill_chamber(p, state, pressure, gap, p.supply_pressure, duration)
         after = state.chamber_pressure
-    if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness > 0.0:
+    if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
         pressure = fill_unequally(p, state, pressure, duration)
         after = state.filled_pressure
     state.pressure = behind_leak(p, after)

@@ -15,7 +15,10 @@ EFFECTS = (
         meaning="play between stem and transmitter",
         equation=r"z = \min(\max(z, y - b), y + b)",
         source="play operator, Krasnosel'skii and Pokrovskii (1989)",
-        parameters=(Parameter("backlash_half_width", "m", "half the play", 0.0, 0.03, 0.0, (1e-3, 4e-3)),),
+        parameters=(
+            Parameter("backlash_half_width", "m", "b: half the play", 0.0, 0.03, 0.0, (1e-3, 4e-3)),
+            Parameter("backlash_start", "1", "where in the play the linkage starts", -1.0, 1.0, 0.0, (0.0,)),
+        ),
         aliases=("none", "magnetic_hysteresis"),
         told_apart_by="a second position sensor at the stem, or the pressure at which the stem itself starts",
     ),
@@ -50,6 +53,7 @@ EFFECTS = (
                 typical=0.0,
             ),
         ),
+        is_jagged=True,
         told_apart_by="the readings themselves: they take few values",
     ),
     Effect(
@@ -73,6 +77,7 @@ EFFECTS = (
             ),
         ),
         aliases=("gap_drift", "load_force"),
+        acts_in_time=True,
         told_apart_by="a measured pressure, or a mechanical stop that is visited early and late",
     ),
     Effect(
@@ -84,6 +89,7 @@ EFFECTS = (
         source="first-order transmitter or filter",
         parameters=(Parameter("sensor_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
         aliases=("coil_lag", "chamber_filling", "transport_delay"),
+        acts_in_time=True,
         told_apart_by="a measured pressure, or a faster sampling of one reversal: a slow reading rounds the corner",
     ),
     Effect(

@@ -40,7 +40,7 @@ EFFECTS = (
         stage="stem",
         title="Stribeck friction",
         meaning="friction falls from breakaway to Coulomb as the stem speeds up",
-        equation=r"F = F_c\,(1 + (r - 1) e^{-|v|/v_s})\,\mathrm{sign}(v)",
+        equation=r"F = F_c\,(1 + (r - 1) e^{-(|v|/v_s)^n})\,\mathrm{sign}(v)",
         source="Stribeck (1902); Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994)",
         parameters=(
             Parameter(
@@ -61,6 +61,16 @@ EFFECTS = (
                 5e-3,
                 (5e-3, 1.5e-3, 1.5e-2, 5e-2),
                 "log",
+            ),
+            Parameter(
+                "stribeck_shape",
+                "1",
+                "n: 1 falls exponentially, 2 as a bell",
+                1.0,
+                2.0,
+                1.0,
+                (1.0, 2.0),
+                is_fitted=False,
             ),
         ),
         is_jagged=True,
@@ -108,6 +118,7 @@ EFFECTS = (
             ),
         ),
         aliases=("asymmetric_filling",),
+        acts_in_time=True,
         told_apart_by="a measured pressure; fast strokes both ways",
     ),
     Effect(
@@ -139,10 +150,15 @@ EFFECTS = (
         stage="stem",
         title="pressure-dependent friction",
         meaning="seal or packing friction grows with the pressure",
-        equation=r"F_c + S_p\,P",
+        equation=r"F_c + S_p\,P\,(P/P_1)^{n - 1}",
         source="self-energising lip seals",
-        parameters=(Parameter("friction_area", "m^2", "friction per pressure", -0.01, 0.03, 0.0, (2e-3, -2e-3)),),
-        aliases=("spring_hardening", "magnetic_hysteresis"),
+        parameters=(
+            Parameter("friction_area", "m^2", "S_p: friction per pressure", -0.01, 0.05, 0.0, (2e-3, -2e-3)),
+            Parameter(
+                "friction_pressure_order", "1", "n: power of the pressure", 1.0, 2.0, 1.0, (1.0, 2.0), is_fitted=False
+            ),
+        ),
+        aliases=("spring_hardening", "magnetic_hysteresis", "linkage_nonlinearity"),
         told_apart_by="minor loops at low and high pressure",
     ),
     Effect(
@@ -194,9 +210,12 @@ EFFECTS = (
         stage="stem",
         title="area variation",
         meaning="the effective area of the diaphragm changes with travel",
-        equation=r"S_1\,(1 + a\,y)",
+        equation=r"S_1\,(1 + a\,y + b\,y^2)",
         source="rolling diaphragm; ISA handbook of control valves",
-        parameters=(Parameter("area_slope", "1/m", "a: share of area over travel", -3.0, 3.0, 0.0, (-0.5, 0.5)),),
+        parameters=(
+            Parameter("area_slope", "1/m", "a: share of area over travel", -3.0, 3.0, 0.0, (-0.5, 0.5)),
+            Parameter("area_curvature", "1/m^2", "b: share of area over travel squared", -10.0, 10.0, 0.0, (0.0,)),
+        ),
         aliases=("spring_hardening", "linkage_nonlinearity", "magnetic_saturation"),
         told_apart_by="the force at a blocked stem at two positions",
     ),
@@ -237,6 +256,7 @@ EFFECTS = (
             Parameter("load_period", "s", "T", 0.5, 2000.0, 30.0, ("residual_period",), "log", typical=30.0),
         ),
         aliases=("gap_drift", "sensor_drift"),
+        acts_in_time=True,
         told_apart_by="the disturbance in a phase where the current is held",
     ),
     Effect(
@@ -258,6 +278,7 @@ EFFECTS = (
             ),
             Parameter("friction_drift_time", "s", "T: time constant", 25.0, 3000.0, 300.0, (300.0, 40.0), "log"),
         ),
+        acts_in_time=True,
         told_apart_by="the same slow stroke early and late",
     ),
 )
@@ -271,6 +292,8 @@ def thrust(p, position, pressure, time):
     force = driving_force(pressure, position, p.diaphragm_area, p.spring_rate, p.spring_preload)
     if p.area_slope != 0.0:
         force += p.diaphragm_area * p.area_slope * position * pressure
+    if p.area_curvature != 0.0:
+        force += p.diaphragm_area * p.area_curvature * position * position * pressure
     if p.spring_hardening != 0.0:
         force -= p.spring_rate * p.spring_hardening * position * position * position
     if p.load_sine != 0.0 or p.load_cosine != 0.0:
@@ -292,7 +315,10 @@ def sliding_friction(p, side, position, pressure, time):
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         friction *= 1.0 + p.tight_spot_excess * math.exp(-distance * distance)
     if p.friction_area != 0.0:
-        friction = max(friction + p.friction_area * max(pressure, 0.0), 0.0)
+        seal = p.friction_area * max(pressure, 0.0)
+        if p.friction_pressure_order != 1.0:
+            seal *= (max(pressure, 0.0) / p.supply_pressure) ** (p.friction_pressure_order - 1.0)
+        friction = max(friction + seal, 0.0)
     return friction
 
 
@@ -310,6 +336,8 @@ def tangent_stiffness(p, side, position, pressure, time):
         stiffness += 3.0 * p.spring_rate * p.spring_hardening * position * position
     if p.area_slope != 0.0:
         stiffness -= p.diaphragm_area * p.area_slope * pressure
+    if p.area_curvature != 0.0:
+        stiffness -= 2.0 * p.diaphragm_area * p.area_curvature * position * pressure
     if p.tight_spot_excess != 0.0:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         bump = p.tight_spot_excess * math.exp(-distance * distance)
@@ -323,6 +351,7 @@ def is_linear(p):
     """Return whether a slip under a held pressure is a linear equation, so that one step is exact."""
     return (
         p.spring_hardening == 0.0
+        and p.area_curvature == 0.0
         and p.tight_spot_excess == 0.0
         and p.stribeck_ratio == 1.0
         and p.presliding_compliance == 0.0
@@ -349,8 +378,20 @@ def lowest_position(p):
 
 @compiled
 def stribeck_excess(p, coulomb, speed):
-    """Return the friction of a slip beyond Coulomb's. [N]"""
-    return coulomb * (p.stribeck_ratio - 1.0) * math.exp(-abs(speed) / p.stribeck_velocity)
+    """Return the friction above Coulomb's at a speed. [N]"""
+    relative = abs(speed) / p.stribeck_velocity
+    if p.stribeck_shape != 1.0:
+        relative = relative**p.stribeck_shape
+    return coulomb * (p.stribeck_ratio - 1.0) * math.exp(-relative)
+
+
+@inlined
+def stribeck_slope(p, excess, speed):
+    """Return by how much that friction falls with the speed. [N s/m]"""
+    if p.stribeck_shape == 1.0:
+        return excess / p.stribeck_velocity
+    relative = abs(speed) / p.stribeck_velocity
+    return excess * p.stribeck_shape * relative ** (p.stribeck_shape - 1.0) / p.stribeck_velocity
 
 
 @compiled
