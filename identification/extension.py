@@ -15,7 +15,7 @@ from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
 KEPT_STARTS = 2
-"""Starts that are followed down, after all were screened."""
+"""Starts that are followed down in each group, after all were screened."""
 
 WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
@@ -57,14 +57,15 @@ def extend(fit: Fit, key: str) -> Fit:
     else:
         followed = [
             (trial.problem, descend(trial.problem, trial.point, evaluations=12, precision=1e-3))
-            for trial in trials[:KEPT_STARTS]
+            for group in alike(effect, trials)
+            for trial in group[:KEPT_STARTS]
         ]
         problem, best = min(followed, key=lambda pair: pair[1].error)
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
 def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
-    """Return the trials in groups that differ in fitted parameters only; each group needs a search of its own."""
+    """Return the trials in groups that differ in fitted parameters only; each group is searched on its own."""
     held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
     groups: dict[tuple[float, ...], list[Trial]] = {}
     for trial in trials:

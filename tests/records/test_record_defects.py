@@ -364,7 +364,7 @@ def test_time_can_be_demanded(tmp_path):
     ("name", "content", "words"),
     [
         ("book.csv", b"PK\x03\x04rest", "Excel workbook"),
-        ("packed.csv", gzip.compress(b"time"), "gzip"),
+        ("packed.csv", gzip.compress(b"time", mtime=0), "gzip"),
         ("broken.parquet", b"PAR1 and no more", "a Parquet file is whole"),
         ("text.parquet", b"time [s],current [mA]", "a Parquet file is whole"),
         ("broken.mat", b"MATLAB 5.0 MAT-file" + b"\x00" * 200, "a MAT file is whole"),
