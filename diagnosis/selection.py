@@ -157,10 +157,12 @@ def library_for(holdout: Holdout) -> list[Effect]:
 
 
 def shortlist(fit: Fit, library: Sequence[Effect]) -> list[str]:
-    """Return the effects that promise most on what a fit leaves over."""
+    """Return the effects that promise most on what a fit leaves over, one that needs a global search among them."""
     keys = [effect.key for effect in library if effect.key not in fit.model.effects]
     gains = {key: max((trial.gain for trial in screened(fit, effect_of_key(key))), default=0.0) for key in keys}
-    return sorted(keys, key=lambda key: -gains[key])[:SHORTLIST]
+    order = sorted(keys, key=lambda key: -gains[key])
+    jagged = [key for key in order if effect_of_key(key).is_jagged]
+    return [key for key in order if key not in jagged[1:]][:SHORTLIST]
 
 
 def try_all(
