@@ -54,6 +54,18 @@ class Cause:
     closed_interval: tuple[float, float] | None
     rivals: list[tuple[str, ...]]
 
+    def as_json(self) -> dict[str, Any]:
+        """Return the cause as diagnosis.json has it."""
+        return {
+            "effects": list(self.effects),
+            "probability": self.probability,
+            "parameters": self.parameters,
+            "gap_after": self.errors.rms,
+            "gap_closed": self.closed,
+            "gap_closed_interval": None if self.closed_interval is None else list(self.closed_interval),
+            "indistinguishable_from": [list(rival) for rival in self.rivals],
+        }
+
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -92,18 +104,7 @@ class Diagnosis:
                 "stage_probability": self.stage_probability,
                 "regimes": [vars(regime) for regime in self.regimes],
             },
-            "causes": [
-                {
-                    "effects": list(cause.effects),
-                    "probability": cause.probability,
-                    "parameters": cause.parameters,
-                    "gap_after": cause.errors.rms,
-                    "gap_closed": cause.closed,
-                    "gap_closed_interval": None if cause.closed_interval is None else list(cause.closed_interval),
-                    "indistinguishable_from": [list(rival) for rival in cause.rivals],
-                }
-                for cause in self.causes
-            ],
+            "causes": [cause.as_json() for cause in self.causes],
             "unknown_probability": self.unknown_probability,
             "gap": {
                 "unit": "m",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.diagnose import Diagnosis
+from diagnosis.diagnose import Cause, Diagnosis
 from diagnosis.report import Evidence, Rank, RecordEvidence, Step
 from identification.experiment import Experiment, simulate_rows
 from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
@@ -15,22 +16,27 @@ from valvemodel.effects import effect_of_key
 
 def evidence_of(diagnosis: Diagnosis) -> Evidence:
     """Return what the pictures of a diagnosis show."""
-    ranking = []
-    for cause in diagnosis.causes:
-        rms = cause.errors.rms
-        half = 1.96 * rms * math.sqrt(0.5 * cause.errors.persistence / cause.errors.counts.sum())
-        label = " + ".join(effect_of_key(key).title for key in cause.effects) or "none: base refitted"
-        ranking.append(Rank(label, cause.effects, rms, max(rms - half, 0.0), rms + half, cause.probability))
     return Evidence(
         records=tuple(record_evidence(diagnosis, experiment) for experiment in diagnosis.experiments),
         steps=tuple(Step(label, rms) for label, rms in diagnosis.steps),
-        ranking=tuple(ranking),
+        ranking=ranking_of(diagnosis.causes),
         noise_floor=diagnosis.floor,
         unit="m",
         seconds=diagnosis.seconds,
         valve_name=diagnosis.given.name,
         warnings=diagnosis.warnings,
     )
+
+
+def ranking_of(causes: Sequence[Cause]) -> tuple[Rank, ...]:
+    """Return the candidates with the 95 % interval of their gap, in the order of the causes."""
+    ranking = []
+    for cause in causes:
+        rms = cause.errors.rms
+        half = 1.96 * rms * math.sqrt(0.5 * cause.errors.persistence / cause.errors.counts.sum())
+        label = " + ".join(effect_of_key(key).title for key in cause.effects) or "none: base refitted"
+        ranking.append(Rank(label, cause.effects, rms, max(rms - half, 0.0), rms + half, cause.probability))
+    return tuple(ranking)
 
 
 def record_evidence(diagnosis: Diagnosis, experiment: Experiment) -> RecordEvidence:

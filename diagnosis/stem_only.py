@@ -116,18 +116,7 @@ class StemOnlyDiagnosis:
                 "stage_probability": self.stage_probability,
                 "regimes": [vars(regime) for regime in self.regimes],
             },
-            "causes": [
-                {
-                    "effects": list(cause.effects),
-                    "probability": cause.probability,
-                    "parameters": cause.parameters,
-                    "gap_after": cause.errors.rms,
-                    "gap_closed": cause.closed,
-                    "gap_closed_interval": None if cause.closed_interval is None else list(cause.closed_interval),
-                    "indistinguishable_from": [list(rival) for rival in cause.rivals],
-                }
-                for cause in self.causes
-            ],
+            "causes": [cause.as_json() for cause in self.causes],
             "unknown_probability": self.unknown_probability,
             "gap": {
                 "unit": "N",
@@ -541,18 +530,13 @@ def steps_of_causes(as_given: float, causes: Sequence[Cause], floor: float) -> l
 
 def evidence_of(diagnosis: StemOnlyDiagnosis) -> Evidence:
     """Return what the pictures of a diagnosis show."""
-    from diagnosis.report import Evidence, Rank, Step
+    from diagnosis.picture import ranking_of
+    from diagnosis.report import Evidence, Step
 
-    ranking = []
-    for cause in diagnosis.causes:
-        rms = cause.errors.rms
-        half = 1.96 * rms * math.sqrt(0.5 * cause.errors.persistence / cause.errors.counts.sum())
-        label = " + ".join(effect_of_key(key).title for key in cause.effects) or "none: base refitted"
-        ranking.append(Rank(label, cause.effects, rms, max(rms - half, 0.0), rms + half, cause.probability))
     return Evidence(
         records=tuple(record_evidence(diagnosis, number) for number in range(len(diagnosis.joined.names))),
         steps=tuple(Step(label, rms) for label, rms in diagnosis.steps),
-        ranking=tuple(ranking),
+        ranking=ranking_of(diagnosis.causes),
         noise_floor=diagnosis.floor,
         unit="N",
         seconds=diagnosis.seconds,
