@@ -36,9 +36,6 @@ NAMED_FROM = 0.5
 YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured position every 2 s"}
 """How the gap is measured: where slips stick, a free run loses their phase even if the model is right."""
 
-SHOWN_CAUSES = 60
-"""Causes that are listed; the probabilities of the others are added to the last but one."""
-
 Progress = Callable[[str, float], None]
 
 
@@ -253,24 +250,19 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
 
 
 def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str) -> list[Cause]:
-    """Return the causes, the most probable first; what is not listed is shared out among those listed."""
+    """Return all that was tried as causes, the most probable first, the nearer first where equally probable."""
     order = sorted(
         range(len(candidates)), key=lambda number: (-judgement.probabilities[number], candidates[number].score.misfit)
     )
-    listed = order[:SHOWN_CAUSES]
-    if 0 not in listed:
-        listed.append(0)
-    share = judgement.probabilities[listed].sum()
-    scale = (1.0 - judgement.unknown) / share if share > 0.0 else 0.0
     base: Errors = getattr(candidates[0].score, yardstick)
     causes = []
-    for number in listed:
+    for number in order:
         candidate = candidates[number]
         errors: Errors = getattr(candidate.score, yardstick)
         causes.append(
             Cause(
                 effects=candidate.effects,
-                probability=float(judgement.probabilities[number] * scale),
+                probability=float(judgement.probabilities[number]),
                 errors=errors,
                 parameters=plain_parameters(candidate.fit),
                 closed=closed_share(base.rms, errors.rms, floor),
