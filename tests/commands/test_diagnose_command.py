@@ -79,11 +79,14 @@ def test_interrupt_leaves_nothing(demo_record, tmp_path):
         "valvemodel",
         "diagnose",
         str(demo_record),
+        str(demo_record.with_name("demo-b.csv")),
+        "--jobs",
+        "1",
         "--out",
         str(tmp_path / "a" / "b"),
     ]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    time.sleep(3.0)
+    time.sleep(2.0)
     os.killpg(process.pid, signal.SIGINT)
     output, trouble = process.communicate(timeout=60)
     assert process.returncode == 130
