@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,13 +14,11 @@ from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, select, workers
-from identification.experiment import Experiment, simulate_rows
-from identification.fit import Fit, fit_base, fitted_to_all
+from identification.experiment import Experiment
+from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
 from identification.timing import experiments_of
 from identification.uncertainty import estimates
-from valvemodel import chain
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.files import make_folder, write_json
@@ -64,6 +62,38 @@ class Cause:
         }
 
 
+class Judged(Protocol):
+    """What every diagnosis says, of a whole valve or of its stem alone."""
+
+    @property
+    def verdict(self) -> str: ...
+    @property
+    def stage(self) -> str | None: ...
+    @property
+    def stage_probability(self) -> dict[str, float]: ...
+    @property
+    def regimes(self) -> list[Regime]: ...
+    @property
+    def causes(self) -> list[Cause]: ...
+    @property
+    def unknown_probability(self) -> float: ...
+
+
+def content_of(judged: Judged) -> dict[str, Any]:
+    """Return the part of diagnosis.json that says which, where and how sure."""
+    return {
+        "schema": SCHEMA,
+        "verdict": judged.verdict,
+        "where": {
+            "stage": judged.stage,
+            "stage_probability": judged.stage_probability,
+            "regimes": [vars(regime) for regime in judged.regimes],
+        },
+        "causes": [cause.as_json() for cause in judged.causes],
+        "unknown_probability": judged.unknown_probability,
+    }
+
+
 @dataclass(frozen=True)
 class Diagnosis:
     """All that a diagnosis found, in SI units."""
@@ -94,15 +124,7 @@ class Diagnosis:
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
         return {
-            "schema": SCHEMA,
-            "verdict": self.verdict,
-            "where": {
-                "stage": self.stage,
-                "stage_probability": self.stage_probability,
-                "regimes": [vars(regime) for regime in self.regimes],
-            },
-            "causes": [cause.as_json() for cause in self.causes],
-            "unknown_probability": self.unknown_probability,
+            **content_of(self),
             "gap": {
                 "unit": "m",
                 "as_given": self.as_given.rms,
@@ -189,10 +211,11 @@ def diagnose(
     causes[0] = with_parameters(causes[0], whole)
     stage_probability = stages_of(causes, judgement.unknown)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
+    runs = [whole_base.simulated_on(each) for each in experiments]
     regimes = regimes_of(
         experiments,
-        [each.position - whole_base.simulated_on(each).position[0] for each in experiments],
-        [whole_base.simulated_on(each).mode[0] for each in experiments],
+        [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)],
+        [run.mode[0] for run in runs],
     )
     return Diagnosis(
         verdict=verdict,
@@ -233,20 +256,11 @@ def yardstick_of(likely: Candidate, base: Candidate, floors: tuple[float, float]
 
 def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
     """Score a model as it is given, started at the first readings."""
-    return errors_of(
-        holdout,
-        [
-            simulate_rows(
-                experiment,
-                model.rows(start_position=experiment.first_reading),
-                substep=SEARCH_SUBSTEP,
-                tolerance=SEARCH_TOLERANCE,
-                anchors=experiment.anchors if yardstick == "anchored" else chain.FREE,
-                with_pressure=True,
-            )
-            for experiment in holdout.scored_experiments
-        ],
-    )
+    simulated = [
+        simulate_model(model, experiment, start_position=experiment.first_reading, is_anchored=yardstick == "anchored")
+        for experiment in holdout.scored_experiments
+    ]
+    return errors_of(holdout, simulated)
 
 
 def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str) -> list[Cause]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from diagnosis.diagnose import Cause, Diagnosis
 from diagnosis.report import Evidence, Rank, RecordEvidence, Step
-from identification.experiment import Experiment, simulate_rows
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
+from identification.experiment import Experiment
+from identification.fit import simulate_model
 from valvemodel.effects import effect_of_key
 
 
@@ -41,13 +41,7 @@ def ranking_of(causes: Sequence[Cause]) -> tuple[Rank, ...]:
 
 def record_evidence(diagnosis: Diagnosis, experiment: Experiment) -> RecordEvidence:
     """Return one record beside what the models say of it."""
-    given = simulate_rows(
-        experiment,
-        diagnosis.given.rows(start_position=experiment.first_reading),
-        substep=SEARCH_SUBSTEP,
-        tolerance=SEARCH_TOLERANCE,
-        with_pressure=True,
-    )
+    given = simulate_model(diagnosis.given, experiment, start_position=experiment.first_reading)
     base = diagnosis.base.simulated_on(experiment)
     found = diagnosis.found.simulated_on(experiment) if diagnosis.cause.effects else None
     held_out = np.zeros(len(experiment.time), bool)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.diagnose import SCHEMA, Cause, Progress
+from diagnosis.diagnose import Cause, Progress, content_of
 from diagnosis.regimes import Regime, masks_of
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
 from identification.experiment import Experiment
@@ -109,15 +109,7 @@ class StemOnlyDiagnosis:
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
         return {
-            "schema": SCHEMA,
-            "verdict": self.verdict,
-            "where": {
-                "stage": self.stage,
-                "stage_probability": self.stage_probability,
-                "regimes": [vars(regime) for regime in self.regimes],
-            },
-            "causes": [cause.as_json() for cause in self.causes],
-            "unknown_probability": self.unknown_probability,
+            **content_of(self),
             "gap": {
                 "unit": "N",
                 "as_given": self.as_given,

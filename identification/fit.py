@@ -41,14 +41,21 @@ class Fit:
         """
         numbers = [number for number, each in enumerate(self.problem.experiments) if each is experiment]
         start = self.starts[numbers[0]] if numbers else experiment.first_reading
-        return simulate_rows(
-            experiment,
-            self.model.rows(start_position=start),
-            substep=SEARCH_SUBSTEP,
-            tolerance=SEARCH_TOLERANCE,
-            anchors=experiment.anchors if is_anchored else chain.FREE,
-            with_pressure=True,
-        )
+        return simulate_model(self.model, experiment, start_position=start, is_anchored=is_anchored)
+
+
+def simulate_model(
+    model: Model, experiment: Experiment, *, start_position: float, is_anchored: bool = False
+) -> Simulated:
+    """Run one model over an experiment at the search's tolerance, free or re-anchored, one row of each signal."""
+    return simulate_rows(
+        experiment,
+        model.rows(start_position=start_position),
+        substep=SEARCH_SUBSTEP,
+        tolerance=SEARCH_TOLERANCE,
+        anchors=experiment.anchors if is_anchored else chain.FREE,
+        with_pressure=True,
+    )
 
 
 def measured(experiments: Sequence[Experiment]) -> list[np.ndarray]:
