@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from identification.noise import noise_level
-from valvemodel import chain
-from valvemodel.parameters import STATE
+from valvemodel import chain, runs
+from valvemodel.parameters import MEMORY, STATE
 from valvemodel.records import Record
 
 SETTLING_TIME = 5.0
@@ -145,17 +145,17 @@ def simulate_rows(
     *,
     substep: float,
     tolerance: float,
-    anchors: np.ndarray = chain.FREE,
+    anchors: np.ndarray = runs.FREE,
     with_pressure: bool = False,
 ) -> Simulated:
     """Run each row of numbers over an experiment, exactly or at a search's stated tolerance."""
     shape = (len(rows), len(experiment.time))
     position = np.empty(shape)
-    pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (chain.NONE, chain.NONE)
+    pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
     states = np.zeros(len(rows), STATE)
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
-    chain.run_chain(
-        rows, states, experiment.time, experiment.current, anchors, chain.CURRENT, substep, tolerance,
-        position, pressure, mode,
+    runs.run_chain(
+        rows, states, np.zeros(1, MEMORY), experiment.time, experiment.current, anchors, chain.CURRENT,
+        substep, tolerance, position, pressure, mode,
     )  # fmt: skip
     return Simulated(position, pressure, mode)

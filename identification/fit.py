@@ -11,7 +11,7 @@ from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
 from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
-from valvemodel import chain
+from valvemodel import runs
 from valvemodel.model import Model
 
 REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
@@ -53,7 +53,7 @@ def simulate_model(
         model.rows(start_position=start_position),
         substep=SEARCH_SUBSTEP,
         tolerance=SEARCH_TOLERANCE,
-        anchors=experiment.anchors if is_anchored else chain.FREE,
+        anchors=experiment.anchors if is_anchored else runs.FREE,
         with_pressure=True,
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from identification.experiment import Experiment, simulate_rows
 from identification.unknowns import Unknown
-from valvemodel import chain
+from valvemodel import runs
 from valvemodel.model import Model
 
 SEARCH_SUBSTEP = 0.01
@@ -73,7 +73,7 @@ class Problem:
                 self.rows(points, number),
                 substep=SEARCH_SUBSTEP,
                 tolerance=SEARCH_TOLERANCE,
-                anchors=experiment.anchors if self.is_anchored else chain.FREE,
+                anchors=experiment.anchors if self.is_anchored else runs.FREE,
                 with_pressure=experiment.pressure is not None,
             )
             parts.append((experiment.position[used] - simulated.position[:, used]) / experiment.noise)

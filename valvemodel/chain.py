@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from valvemodel.compiled import compiled, inlined
+from valvemodel.parameters import MOST_NOTED
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
+from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import DRIFT_HOLD, advance_stem, glide, longest_hold, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
 from valvemodel.stages.sensor import (
     bow,
     follow_steadily,
     follow_stem,
-    read_sensor,
     rest_sensor,
     sensor_drift,
     unbow,
@@ -24,9 +23,6 @@ from valvemodel.stages.stem import STUCK, put_stem, rest_stem
 
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
-
-ROUNDING = 1e-12
-"""Periods that differ by less are equal but for the rounding of their times. [s]"""
 
 PART_GROWTH = 0.02
 """Part length over the time since the drive was switched, while the pressure moves."""
@@ -59,8 +55,7 @@ def has_pressure_dynamics(p):
 def plan_run(p, state, driven_by, substep):
     """Write down once a run what does not change during it."""
     plan_stem(p, state)
-    state.lag_duration = -1.0
-    state.delayed = -1.0
+    state.lag_duration = state.period = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     longest = longest_hold(p, substep)
     if p.gap_drift_rate != 0.0 and driven_by == CURRENT:
@@ -69,11 +64,13 @@ def plan_run(p, state, driven_by, substep):
         longest = min(longest, substep)
     state.plan_longest = longest
     state.plan_current = driven_by == CURRENT
+    state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
 
 
 @compiled
-def start_chain(p, state, drive, driven_by, time):
-    """Put all stages at rest under the first drive; the stem where the start reading says, if any."""
+def start_chain(p, state, memory, drive, driven_by, time, substep):
+    """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
+    plan_run(p, state, driven_by, substep)
     if driven_by == CURRENT:
         rest_electromagnet(p, state, drive)
         gap = gap_of_current(p, state.hysteresis_input, time)
@@ -84,40 +81,57 @@ def start_chain(p, state, drive, driven_by, time):
         rest_stem(p, state, state.pressure, time)
     else:
         put_stem(p, state, unbow(p, p.start_position - sensor_drift(p, time)), state.pressure, time)
+    rest_line(memory, drive)
     rest_sensor(p, state)
     if p.backlash_start != 0.0:
         state.position -= p.backlash_start * p.backlash_half_width
 
 
 @inlined
-def move_stem(p, state, pressure, time, duration, tolerance):
+def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
     if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
         follow_steadily(p, state)
     else:
-        move_by_events(p, state, pressure, time, duration, tolerance)
+        move_by_events(p, state, memory, pressure, time, duration, tolerance)
 
 
 @compiled
-def move_by_events(p, state, pressure, time, duration, tolerance):
+def move_by_events(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration, from event to event."""
     used = 0.0
     for _ in range(MOST_EVENTS):
         left = duration - used
         if left <= 0.0:
             return
-        before = state.position
+        before, mode_before = state.position, state.mode
         state.trace_velocity = state.trace_acceleration = 0.0
         state.trace_next_velocity = state.trace_next_acceleration = 0.0
         step = advance_stem(p, state, pressure, time + used, left, tolerance)
         follow_stem(p, state, before, state.position, step)
         used += step
+        if memory.notes_events == 1.0 and state.mode != mode_before:
+            note_event(state, memory, time + used, mode_before)
     state.velocity = 0.0
     state.mode = STUCK
 
 
+@compiled
+def note_event(state, memory, time, mode_before):
+    """Write down a change of mode; where the table is full, only count it."""
+    index = int(memory.events_noted)
+    memory.events_noted += 1.0
+    if index < MOST_NOTED:
+        event = memory.events[index]
+        event.time = time
+        event.position = state.position
+        event.speed_before = abs(state.trace_next_velocity)
+        event.mode_before = mode_before
+        event.mode_after = state.mode
+
+
 @inlined
-def hold_drive(p, state, drive, time, duration, tolerance):
+def hold_drive(p, state, memory, drive, time, duration, tolerance):
     """Hold a current at the electromagnet, and the mean pressure that it gives at the stem; or hold a pressure."""
     pressure = drive
     if state.plan_current == 1.0:
@@ -126,11 +140,11 @@ def hold_drive(p, state, drive, time, duration, tolerance):
         pressure = advance_nozzle(p, state, gap, effective, duration)
     else:
         state.pressure = drive
-    move_stem(p, state, pressure, time, duration, tolerance)
+    move_stem(p, state, memory, pressure, time, duration, tolerance)
 
 
 @compiled
-def hold_in_parts(p, state, drive, time, duration, tolerance):
+def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
     """Hold a drive in parts while the pressure or the forces move.
 
     Parts grow with the time since the drive was switched: what moves has then come nearer to its rest.
@@ -145,31 +159,36 @@ def hold_in_parts(p, state, drive, time, duration, tolerance):
         if part == 0.0 or aim > PART_STRETCH * part or left < part * (1.0 - ROUNDING_SHARE):
             part = left / max(math.ceil(left / aim - ROUNDING_SHARE), 1.0)
         is_last = left < part * (1.0 + ROUNDING_SHARE)
-        hold_drive(p, state, drive, time + used, part, tolerance)
+        hold_drive(p, state, memory, drive, time + used, part, tolerance)
         used = duration if is_last else used + part
 
 
 @compiled
-def hold_delayed(p, state, time, drive, period, tolerance):
-    """Move the chain from one sample to the next behind a transport delay.
-
-    It shifts the breakpoints of the current: they fall inside the periods.
-    """
-    delay, end = p.transport_delay, time[period + 1]
-    index = int(state.delayed)
-    instant = time[period]
+def hold_delayed(p, state, memory, drive, time, duration, tolerance):
+    """Let a current enter the line and hold what comes out of it: its switches fall inside the periods."""
+    enter_line(memory, time, drive)
+    instant, end = time, time + duration
     while True:
-        # A breakpoint at a sample but for rounding acts there.
-        while index < period and time[index + 1] + delay <= instant + ROUNDING:
-            index += 1
-        following = end
-        if index < period and time[index + 1] + delay < end - ROUNDING:
-            following = time[index + 1] + delay
-        hold_in_parts(p, state, drive[max(index, 0)], instant, following - instant, tolerance)
+        arrived = leave_line(memory, p.transport_delay, instant)
+        following = next_arrival(memory, p.transport_delay, end)
+        hold_in_parts(p, state, memory, arrived, instant, following - instant, tolerance)
         if following == end:
-            break
+            return
         instant = following
-    state.delayed = index
+
+
+@inlined
+def advance_period(p, state, memory, drive, time, duration, tolerance):
+    """Hold a drive from an instant for a duration."""
+    # Durations that differ by rounding alone are one, so that their closed form is computed once.
+    if abs(duration - state.period) > ROUNDING:
+        state.period = duration
+    if state.plan_delayed == 1.0:
+        hold_delayed(p, state, memory, drive, time, state.period, tolerance)
+    elif state.period <= state.plan_longest:
+        hold_drive(p, state, memory, drive, time, state.period, tolerance)
+    else:
+        hold_in_parts(p, state, memory, drive, time, state.period, tolerance)
 
 
 @compiled
@@ -190,57 +209,3 @@ def anchor_stem(p, state, reading, time):
 def mode_of(state):
     """Return the mode as a user sees it: a creep below the stop speed counts as stuck."""
     return STUCK if abs(state.velocity) < STOP_SPEED else math.copysign(1.0, state.velocity)
-
-
-@compiled
-def run_chain(rows, states, time, drive, anchors, driven_by, substep, tolerance, readings, pressures, modes):
-    """Run each row of numbers over the same drive; row k of the outputs is the state just before the drive of period k.
-
-    Parameters
-    ----------
-    rows : array, shape (n,), dtype PARAMETERS
-    states : array, shape (n,), dtype STATE
-        Overwritten.
-    time : array, shape (m,) [s]
-    drive : array, shape (m,) [A] or [Pa]
-        Held from each sample to the next.
-    anchors : array, shape (0,) or (m,) [m]
-        Readings at which the stem is put anew; NaN where it runs free.
-    driven_by : int
-        CURRENT or PRESSURE.
-    substep : float [s]
-        Longest part of a period while the pressure moves.
-    tolerance : float [N]
-        Force left over by one linearised slip step.
-    readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
-        Overwritten; pressures and modes may have shape (0, 0) and are then left out.
-    """
-    for row in range(rows.shape[0]):
-        p, state = rows[row], states[row]
-        plan_run(p, state, driven_by, substep)
-        start_chain(p, state, drive[0], driven_by, time[0])
-        is_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
-        period = -1.0
-        for sample in range(time.shape[0]):
-            if anchors.shape[0] > 0 and not math.isnan(anchors[sample]):
-                anchor_stem(p, state, anchors[sample], time[sample])
-            readings[row, sample] = read_sensor(p, state, time[sample])
-            if pressures.shape[0] > 0:
-                pressures[row, sample] = state.pressure
-                modes[row, sample] = mode_of(state)
-            if sample + 1 == time.shape[0]:
-                break
-            if is_delayed:
-                hold_delayed(p, state, time, drive, sample, tolerance)
-                continue
-            duration = time[sample + 1] - time[sample]
-            if abs(duration - period) > ROUNDING:
-                period = duration
-            if period <= state.plan_longest:
-                hold_drive(p, state, drive[sample], time[sample], period, tolerance)
-            else:
-                hold_in_parts(p, state, drive[sample], time[sample], period, tolerance)
-
-
-NONE = np.zeros((0, 0))
-FREE = np.zeros(0)

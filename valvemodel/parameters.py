@@ -10,9 +10,16 @@ import numpy as np
 
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.stages import EFFECTS
+from valvemodel.stages.line import CAPACITY
 
 _HERE = Path(__file__).parent
-_COMPILED = (*sorted((_HERE / "stages").glob("*.py")), _HERE / "chain.py", _HERE / "equations" / "numeric.py")
+_COMPILED = (
+    *sorted((_HERE / "stages").glob("*.py")),
+    _HERE / "chain.py",
+    _HERE / "runs.py",
+    _HERE / "stepping.py",
+    _HERE / "equations" / "numeric.py",
+)
 
 
 def _fingerprint() -> str:
@@ -37,8 +44,8 @@ STATE = np.dtype(
             "flux_current", "hysteresis", "hysteresis_input",
             "droop", "supplied_pressure", "chamber_pressure", "filled_pressure", "pressure",
             "position", "velocity", "mode", "bristle", "trial_step",
-            "linkage", "lagged_reading", "delayed",
-            "plan_linear", "plan_steady", "plan_moving", "plan_current", "plan_longest",
+            "linkage", "lagged_reading", "period",
+            "plan_linear", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "known_damping", "known_stiffness", "known_duration",
@@ -49,6 +56,25 @@ STATE = np.dtype(
     ]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
+
+EVENT = np.dtype([(name, "f8") for name in ("time", "position", "speed_before", "mode_before", "mode_after")])
+"""Type of a change of mode: its instant, the stem's position, the speed just before it, the modes around it."""
+
+MOST_NOTED = 4096
+"""Events that one period can leave behind."""
+
+MEMORY = np.dtype(
+    [
+        ("line_entered", "f8"),
+        ("line_acting", "f8"),
+        ("line_time", "f8", (CAPACITY,)),
+        ("line_drive", "f8", (CAPACITY,)),
+        ("notes_events", "f8"),
+        ("events_noted", "f8"),
+        ("events", EVENT, (MOST_NOTED,)),
+    ]
+)
+"""Type of what a run remembers beside its state: the drives under way in the line, the events of the period."""
 
 
 def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:

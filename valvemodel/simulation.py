@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvemodel import chain
+from valvemodel import chain, runs
 from valvemodel.errors import InputError
 from valvemodel.model import Model
-from valvemodel.parameters import STATE
+from valvemodel.parameters import MEMORY, STATE
 
 SUBSTEP = 1e-3
 """Longest part of a period while the pressure moves under a held current. [s]"""
@@ -93,8 +93,8 @@ def simulate(
     rows = model.rows(start_position=start_position)
     states = np.zeros(1, STATE)
     position, pressure, mode = (np.empty((1, len(time))) for _ in range(3))
-    chain.run_chain(
-        rows, states, time - time[0], current, chain.FREE, chain.CURRENT, substep, tolerance,
+    runs.run_chain(
+        rows, states, np.zeros(1, MEMORY), time - time[0], current, runs.FREE, chain.CURRENT, substep, tolerance,
         position, pressure, mode,
     )  # fmt: skip
     return Trajectory(time, current, pressure[0], position[0], mode[0])

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from valvemodel import chain
+from valvemodel import chain, runs
 from valvemodel.model import Model
-from valvemodel.parameters import STATE
+from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages import EFFECTS
 from valvemodel.valves import read_valve
 
@@ -60,8 +60,9 @@ def run(
 ) -> np.ndarray:
     """Readings of one run, shape (n,). [m]"""
     readings = np.empty((1, len(time)))
-    chain.run_chain(
-        model.rows(start_position=start), np.zeros(1, STATE), np.asarray(time, float), np.asarray(drive, float),
-        chain.FREE, driven_by, substep, tolerance, readings, chain.NONE, chain.NONE,
+    runs.run_chain(
+        model.rows(start_position=start), np.zeros(1, STATE), np.zeros(1, MEMORY),
+        np.asarray(time, float), np.asarray(drive, float),
+        runs.FREE, driven_by, substep, tolerance, readings, runs.NONE, runs.NONE,
     )  # fmt: skip
     return readings[0]

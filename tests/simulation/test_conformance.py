@@ -14,9 +14,9 @@ from simulation_runs import (
     with_effects,
 )
 
-from valvemodel import chain
+from valvemodel import chain, runs
 from valvemodel.effects import effect_of_key
-from valvemodel.parameters import STATE
+from valvemodel.parameters import MEMORY, STATE
 
 BASE = base_model()
 TIME, CURRENT = ramps_and_steps(seconds=16.0, seed=4)
@@ -136,10 +136,10 @@ def test_friction_never_feeds_energy(damping, coulomb, ratio, start, pressure, k
     model = base_model(viscous_friction=damping, coulomb_friction=coulomb)
     model = with_effects(model, key) if key else model
     model = model.with_effect("static_friction", static_friction_ratio=ratio)
-    rows, states = model.rows(), np.zeros(1, STATE)
-    chain.run_chain(
-        model.rows(start_position=start), states, np.zeros(1), np.full(1, pressure), chain.FREE, chain.PRESSURE,
-        1e-3, 1e-3, np.empty((1, 1)), chain.NONE, chain.NONE,
+    rows, states, memories = model.rows(), np.zeros(1, STATE), np.zeros(1, MEMORY)
+    runs.run_chain(
+        model.rows(start_position=start), states, memories, np.zeros(1),
+        np.full(1, pressure), runs.FREE, chain.PRESSURE, 1e-3, 1e-3, np.empty((1, 1)), runs.NONE, runs.NONE,
     )  # fmt: skip
     values = model.values
 
@@ -151,7 +151,7 @@ def test_friction_never_feeds_energy(damping, coulomb, ratio, start, pressure, k
 
     before = energy()
     for _ in range(60):
-        chain.move_stem(rows[0], states[0], pressure, 0.0, 0.0013, 1e-3)
+        chain.move_stem(rows[0], states[0], memories[0], pressure, 0.0, 0.0013, 1e-3)
         after = energy()
         assert after <= before + 1e-9 * (1.0 + abs(before))
         before = after
