@@ -59,6 +59,8 @@ class SmoothChain:
         of the friction, and in proportion every other kink, is rounded. [N]
     step : Function
         `step(x, u, p) -> x` at the end of a period that holds u = (current, duration). [A], [s]
+    part : Function
+        The same for one part of a period, as one expression.
     reading, pressure : Function
         `reading(x, p)`, what the sensor shows [m]; `pressure(x, p)`, that of the actuator [Pa].
     start : Function
@@ -68,7 +70,7 @@ class SmoothChain:
     def __init__(self, model: Model, *, parts: int = 1) -> None:
         self.effects = frozenset(model.effects) - WITHOUT_SMOOTH_FORM
         numbers = {name: number for name, number in model.numbers.items() if math.isfinite(number)}
-        self.model = model
+        self.model, self.parts = model, parts
         self.parameters = (*numbers, WIDTH)
         self.states = (
             *electromagnet.states_of(self.effects),
@@ -77,7 +79,8 @@ class SmoothChain:
             *sensor.states_of(self.effects),
             *(("time",) if self.effects & TIMED else ()),
         )
-        self.step = self._make_step(parts)
+        self.part = self._make_part()
+        self.step = self._make_step()
         self.start = self._make_start()
         self.reading = self._make_output("reading", lambda p, x: sensor.read_sensor(p, x, _time(x)))
         self.pressure = self._make_output("pressure", lambda p, x: x.pressure)
@@ -110,17 +113,19 @@ class SmoothChain:
     def _stacked(self, x: Any) -> ca.SX:
         return ca.vertcat(*(getattr(x, name) for name in self.states))
 
-    def _make_step(self, parts: int) -> ca.Function:
+    def _make_part(self) -> ca.Function:
         x, current, duration = self._state(), ca.SX.sym("current"), ca.SX.sym("duration")
         before = self._stacked(x)
-        self._advance(x, current, duration / parts)
+        self._advance(x, current, duration)
         arguments = [before, ca.vertcat(current, duration), self._vector]
-        part = ca.Function("step", arguments, [self._stacked(x)], ["x", "u", "p"], ["next"])
-        if parts == 1:
-            return part
-        x, u, p = (ca.MX.sym(name, part.size1_in(name)) for name in ("x", "u", "p"))
-        through = part.fold(parts)(x, ca.repmat(u, 1, parts), p)
-        return ca.Function("step", [x, u, p], [through], ["x", "u", "p"], ["next"])
+        return ca.Function("part", arguments, [self._stacked(x)], ["x", "u", "p"], ["next"])
+
+    def _make_step(self) -> ca.Function:
+        if self.parts == 1:
+            return self.part
+        x, u, p = (ca.MX.sym(name, self.part.size1_in(name)) for name in ("x", "u", "p"))
+        held = ca.repmat(ca.vertcat(u[0], u[1] / self.parts), 1, self.parts)
+        return ca.Function("step", [x, u, p], [self.part.fold(self.parts)(x, held, p)], ["x", "u", "p"], ["next"])
 
     def _advance(self, x: Any, current: Expression, duration: Expression) -> None:
         p, middle = self._p, _time(x) + 0.5 * duration
