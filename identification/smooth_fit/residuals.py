@@ -8,6 +8,7 @@ import numpy as np
 from identification.experiment import Experiment
 from identification.problem import Problem
 from identification.unknowns import Unknown
+from valvemodel.model import Model
 from valvemodel.smooth.chain import WIDTH, SmoothChain, parts_for
 from valvemodel.smooth.delay import delayed_current
 
@@ -45,7 +46,7 @@ class _Run:
         columns = [column for column, each in enumerate(problem.unknowns) if each.experiment in (-1, number)]
         self._columns, self._count = columns, len(problem.unknowns)
         self._unknowns = [problem.unknowns[column] for column in columns]
-        chain = chain_for(problem, self._experiment)
+        chain = chain_for(problem.model, self._experiment)
         self._compose(chain, len(self._experiment.time))
         self._arriving = arriving_function(self._experiment, "transport_delay" in chain.parameters)
 
@@ -120,10 +121,10 @@ class _Run:
         return jacobian
 
 
-def chain_for(problem: Problem, experiment: Experiment) -> SmoothChain:
-    """Return the smooth chain of a problem's model, its periods cut as the experiment's sampling asks for."""
+def chain_for(model: Model, experiment: Experiment) -> SmoothChain:
+    """Return the smooth chain of a model, its periods cut as the experiment's sampling asks for."""
     period = float(np.median(np.diff(experiment.time)))
-    return SmoothChain(problem.model, parts=parts_for(problem.model, period))
+    return SmoothChain(model, parts=parts_for(model, period))
 
 
 def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: ca.SX | ca.MX, width: ca.SX | ca.MX) -> ca.SX | ca.MX:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import casadi as ca
 import numpy as np
 
 from identification.problem import Problem
 from identification.search import Found
 from identification.smooth_fit.residuals import arriving_function, chain_for, parameters_of
+from identification.unknowns import Unknown
 
 SEGMENT_TIME = 2.0
 """Usual length of a segment. [s]"""
@@ -55,7 +54,7 @@ class ShootingProgram:
     def _segments(self, number: int, theta: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX, ca.MX]:
         """Return scaled node states, weighted residuals, scaled jumps and the nodes' guess of one experiment."""
         experiment, used = self.problem.experiments[number], self.problem.used[number]
-        chain = chain_for(self.problem, experiment)
+        chain = chain_for(self.problem.model, experiment)
         columns = [column for column, each in enumerate(self.problem.unknowns) if each.experiment in (-1, number)]
         unknowns = [self.problem.unknowns[column] for column in columns]
         values = ca.vertcat(*(_value(self.problem.unknowns[column], theta[column]) for column in columns))
@@ -126,10 +125,10 @@ def _gauss_newton(unknowns: ca.MX, width: ca.MX, residuals: ca.MX, gaps: ca.MX) 
     return ca.Function("hess_lag", [unknowns, width, weight, multipliers], [hessian], *names)
 
 
-def _value(unknown: object, scaled: ca.MX) -> ca.MX:
-    if unknown.is_logarithmic:  # type: ignore[attr-defined]
-        return unknown.centre * ca.exp(scaled)  # type: ignore[attr-defined]
-    return unknown.centre + unknown.spread * scaled  # type: ignore[attr-defined]
+def _value(unknown: Unknown, scaled: ca.MX) -> ca.MX:
+    if unknown.is_logarithmic:
+        return unknown.centre * ca.exp(scaled)
+    return unknown.centre + unknown.spread * scaled
 
 
 def _scale(name: str) -> float:
@@ -145,5 +144,3 @@ def _filled(position: np.ndarray) -> np.ndarray:
     there = np.isfinite(position)
     return np.interp(np.arange(len(position)), np.flatnonzero(there), position[there])
 
-
-Progress = Callable[[str, float], None]

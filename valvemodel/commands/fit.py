@@ -13,6 +13,8 @@ from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from identification.outcome import Outcome
 
 _PIPED_WIDTH = 100
@@ -34,13 +36,21 @@ Examples:
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
+    "--route",
+    type=click.Choice(["exact", "smooth"]),
+    default="exact",
+    show_default=True,
+    help="Search on the exact simulator; or on smooth functions with exact derivatives and then on the exact one, "
+    "which shows what smoothing did.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Folder for fit.json and model.json.",
 )
-def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], out: Path) -> None:
+def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], route: str, out: Path) -> None:
     """Fit the free parameters of a valve to records of it.
 
     Free are spring rate, friction, mass, the two numbers of the gap and where each record starts; of a record
@@ -56,7 +66,7 @@ def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], ou
         effect_of_key(key)
     with progress_shown() as progress:
         records = measured_records(paths, model, rated_travel)
-        outcome = fit_records(records, model, effects=effects, progress=progress)
+        outcome = fit_records(records, model, effects=effects, route=route, progress=progress)
     places = write_together(out, outcome.write)
     warn(outcome.warnings)
     _print(outcome)
@@ -86,6 +96,8 @@ def _print(outcome: Outcome) -> None:
     if not console.is_terminal:
         console = Console(highlight=False, width=_PIPED_WIDTH)
     console.print(table)
+    if outcome.smoothing:
+        _print_smoothing(console, outcome)
     fitted = format_quantity(outcome.rms_fitted, outcome.unit, digits=3)
     if outcome.rms_unseen is None:
         unseen = "too short to keep anything back"
@@ -95,3 +107,25 @@ def _print(outcome: Outcome) -> None:
     if outcome.noise is not None:
         noise = format_quantity(outcome.noise, outcome.unit, digits=3)
         click.echo(f"noise (rms)  {noise}, from the readings themselves")
+
+
+def _print_smoothing(console: Console, outcome: Outcome) -> None:
+    from rich import box
+    from rich.table import Table
+
+    from valvemodel.quantities import format_quantity
+
+    exact = {each.name: each.value for each in outcome.parameters}
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading in ("smoothing", "objective", "off the exact run (rms, max)", "parameters off the exact refit, at most"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for each in outcome.smoothing:
+        shares = {name: shift / exact[name] for name, shift in each.shifts.items() if exact[name] != 0.0}
+        farthest = max(shares, key=lambda name: abs(shares[name]))
+        table.add_row(
+            format_quantity(each.width, "N", digits=3),
+            f"{each.error:.5g}",
+            f"{format_quantity(each.rms, 'm', digits=2)}, {format_quantity(each.largest, 'm', digits=2)}",
+            f"{farthest} {100.0 * shares[farthest]:+.2g} %",
+        )
+    console.print(table)
