@@ -23,11 +23,20 @@ CURRENT_RANGE = (4e-3, 20e-3)
 BAND = 0.5e-3
 """A move has arrived where the reading stays short of the target by at most this. [m]"""
 
-MARGIN = 0.1
+MARGIN = 0.2
 """Share of the band that is kept free at both ends for what smoothing moves. [1]"""
 
 WIDTH = 1.0
 """Smoothing width: 0.02 mm of the calibrated valve. [N]"""
+
+DETOUR = (100.0, 10.0)
+"""Widths through which a program goes that found no end at once. [N]"""
+
+FINENESS = 50
+"""The bisection of the least time ends at a period, or at this part of it. [1]"""
+
+HOPELESS = 1e-3
+"""A miss beyond which no detour is tried. [m]"""
 
 HOLD_TIME = 0.3
 """A move ends with a current that stands still for so long, and three of each of the valve's time constants. [s]"""
@@ -207,7 +216,7 @@ def least_travel(
     progress("least travel", 0.9)
     periods = max(arrival, len(ramp) - task.hold) + task.hold
     program = _program(task, periods)
-    steered = program.solve(arrival, WIDTH, np.append(ramp, np.full(periods - len(ramp), ramp[-1])))
+    steered = _solved(program, arrival, np.append(ramp, np.full(periods - len(ramp), ramp[-1])))
     if not steered.reaches:
         arrived = f"within {within:g} s the reading misses its band by {1e3 * steered.miss:.3g} mm"
         raise InputError("a move needs the time that it takes", arrived, "give it longer, or ask for the least time")
@@ -283,15 +292,26 @@ def _soonest(
     program = _program(task, len(ramp))
     best, guess = None, ramp
     low, high, first = 0, arrival, math.log2(max(arrival, 2))
-    while high - low > 1:
+    while high - low > max(1, high // FINENESS):
         middle = (low + high) // 2
         progress("least time", 1.0 - math.log2(high - low) / first)
-        steered = program.solve(middle, WIDTH, guess)
+        steered = _solved(program, middle, guess)
         if steered.reaches:
             high, best, guess = middle, steered, steered.unknowns
         else:
             low = middle
     return high, best
+
+
+def _solved(program: SteeringProgram, arrival: int, guess: np.ndarray) -> Steered:
+    """Solve at the narrow width, by way of wide ones where that does not succeed at once."""
+    steered = program.solve(arrival, WIDTH, guess)
+    if steered.reaches or steered.is_sound or steered.miss > HOPELESS:
+        return steered
+    for width in (*DETOUR, WIDTH):
+        steered = program.solve(arrival, width, guess)
+        guess = steered.unknowns
+    return steered
 
 
 def _program(task: Task, periods: int) -> SteeringProgram:

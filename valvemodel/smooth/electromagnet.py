@@ -10,7 +10,7 @@ import casadi as ca
 from valvemodel.equations.symbolic import coil_gap
 from valvemodel.smooth.rounding import Expression, magnitude, passed
 
-SHORTEST_TIME = 1e-9
+SHORTEST_TIME = 1e-12
 """A time constant is not shorter, so that its neutral value 0 has a derivative. [s]"""
 
 LEAST_CURRENT = 1e-9

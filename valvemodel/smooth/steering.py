@@ -16,28 +16,47 @@ CURRENT_SCALE, LENGTH_SCALE = 1e-3, 1e-3
 MISS_PRICE = 100.0
 """Price of a millimetre outside the band in milliamperes of current travel: no travel is worth a miss."""
 
-MISSED = 1e-5
+MISSED = 2e-5
 """A band that is missed by less is reached. [m]"""
 
 CURVATURE = 1e-6
 """What stands in for all curvature: the program is linear but for the chain, and its solution a corner."""
 
-IPOPT = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.tol": 1e-6, "ipopt.max_iter": 400}
-"""Libraries do not print."""
+GAP = 1e-4
+"""Greatest violation of a scaled constraint of a solution."""
+
+IPOPT = {
+    "print_time": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.tol": 1e-6,
+    "ipopt.max_iter": 150,
+    "ipopt.acceptable_tol": 1e-2,
+    "ipopt.acceptable_constr_viol_tol": 1e-5,
+    "ipopt.acceptable_compl_inf_tol": 1e-4,
+    "ipopt.acceptable_iter": 5,
+}
+"""Libraries do not print. A program with a solution takes some 40 iterations, one far from any goes on for ever."""
 
 
 @dataclass(frozen=True)
 class Steered:
-    """Currents of a solved program, shape (periods,) [A], and by how much the band is missed [m]."""
+    """Currents of a program, shape (periods,) [A], and by how much they miss the band [m] and violate the chain [1]."""
 
     current: np.ndarray
     miss: float
+    violation: float
     unknowns: np.ndarray
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the currents and states are a run of the chain."""
+        return self.violation < GAP
 
     @property
     def reaches(self) -> bool:
         """Whether the readings are in the band when they should be."""
-        return self.miss < MISSED
+        return self.is_sound and self.miss < MISSED
 
 
 class SteeringProgram:
@@ -131,15 +150,18 @@ class SteeringProgram:
         most = min(self._rate * self._period / CURRENT_SCALE, 1e3)
         still = np.where(np.arange(n) > n - self._hold, 0.0, most)
         free = np.full(states * n, np.inf)
+        limits = self._limits(arrival)
         result = self._solver(
             x0=begin,
             p=p,
             lbx=np.concatenate([np.full(n, low_current), np.zeros(n), -free, [0.0]]),
             ubx=np.concatenate([np.full(n, high_current), still, free, [1e3]]),
-            **self._limits(arrival),
+            **limits,
         )
         unknowns = result["x"].full().ravel()
-        return Steered(unknowns[:n] * CURRENT_SCALE, float(unknowns[-1]) * LENGTH_SCALE, unknowns)
+        reached = result["g"].full().ravel()
+        violation = float(np.maximum(limits["lbg"] - reached, reached - limits["ubg"]).max())
+        return Steered(unknowns[:n] * CURRENT_SCALE, float(unknowns[-1]) * LENGTH_SCALE, violation, unknowns)
 
     def _limits(self, arrival: int) -> dict[str, np.ndarray]:
         """Return the bounds of the constraints: no gaps, travel above change, inside the band from the arrival on."""

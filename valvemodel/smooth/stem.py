@@ -63,7 +63,10 @@ def time_in_slip(p: Any, x: Any, pressure: Expression, time: Expression, duratio
     slips = ca.fmin(stop_time(p.stem_mass, damping(p, side), slope, speed, net), duration)
     if "static_friction" in p.effects:
         stop_speed = STOP_SPEED + SPEED_PER_WIDTH * p.smoothing_width
-        slips *= gate(speed - stop_speed, stop_speed)
+        jump = (p.static_friction_ratio - 1.0) * p.coulomb_friction
+        # A creep counts as a stay only where a stay is held by more than a slip.
+        matters = jump / (jump + p.smoothing_width)
+        slips *= 1.0 - matters * (1.0 - gate(speed - stop_speed, stop_speed))
     return ca.fmin(ca.fmax(slips, SHORTEST_SHARE * duration), (1.0 - SHORTEST_SHARE) * duration)
 
 
