@@ -59,10 +59,10 @@ class Move:
     Attributes
     ----------
     trajectory : Trajectory
-        Of the exact valve, from the start until it has been watched at rest; its current is the move's.
+        Of the exact valve until it has been watched at rest: one period under the start's current, then the move.
     target : float [m]
     duration : float
-        From the first change of the current until the exact reading stays in the band; infinite where it does not. [s]
+        From the end of that period until the exact reading stays in the band; infinite where it does not. [s]
     overshoot : float
         By how much the exact reading goes beyond the target. [m]
     travel : float
@@ -325,17 +325,18 @@ def _program(task: Task, periods: int) -> SteeringProgram:
 
 
 def _exact(task: Task, current: np.ndarray) -> Trajectory:
-    """Run the exact valve under a move and watch it afterwards."""
-    watched = np.append(current, np.full(math.ceil(WATCH_TIME / task.period), current[-1]))
+    """Run the exact valve under a move, a period at the start's current before it, and watch it afterwards."""
+    after = np.full(math.ceil(WATCH_TIME / task.period), current[-1])
+    watched = np.concatenate([[task.start_current], current, after])
     time = task.period * np.arange(len(watched))
     return simulate(task.model, time=time, current=watched, start_position=task.start_position)
 
 
 def _periods_until(task: Task, trajectory: Trajectory) -> int:
-    """Return the first row from which on the reading stays in the band; one too many where it does not."""
+    """Return the periods of a move until the reading stays in the band; more than there are where it does not."""
     low, high = task.ends
     outside = np.flatnonzero((trajectory.position < low) | (trajectory.position > high))
-    return int(outside[-1]) + 1 if len(outside) else 0
+    return int(outside[-1]) if len(outside) else 0
 
 
 def _run(task: Task, current: np.ndarray) -> Move:
@@ -345,7 +346,7 @@ def _run(task: Task, current: np.ndarray) -> Move:
     return Move(
         trajectory=trajectory,
         target=task.target,
-        duration=arrival * task.period if arrival < len(trajectory.time) else math.inf,
+        duration=arrival * task.period if arrival + 1 < len(trajectory.time) else math.inf,
         overshoot=max(float(beyond.max()), 0.0),
-        travel=float(np.abs(np.diff(trajectory.current, prepend=task.start_current)).sum()),
+        travel=float(np.abs(np.diff(trajectory.current)).sum()),
     )
