@@ -57,7 +57,7 @@ def narrowed(
 def narrowed_by_shooting(
     problem: Problem, start: np.ndarray, widths: Sequence[float]
 ) -> Iterator[tuple[float, Found]]:
-    """Yield the same by multiple shooting: it needs no guess, and ten times as long."""
+    """Yield the same by multiple shooting, in ten times as long."""
     program = ShootingProgram(problem)
     point, nodes = start, None
     for width in widths:

@@ -13,7 +13,7 @@ import numpy as np
 
 from valvemodel.model import Model
 from valvemodel.smooth import electromagnet, nozzle, sensor, stem
-from valvemodel.smooth.delay import delayed_current
+from valvemodel.smooth.delay import delayed_current, finer
 from valvemodel.smooth.rounding import Expression
 
 WIDTH = "smoothing_width"
@@ -35,10 +35,10 @@ LONGEST_PART = 5e-3
 """A part is not longer where forces or pressure bend within it. [s]"""
 
 BENDING = frozenset(
-    {"coil_lag", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag", "spring_hardening",
+    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag", "spring_hardening",
      "position_dependent_friction", "presliding", "stribeck"}
 )  # fmt: skip
-"""Effects that the closed form of a part takes as straight."""
+"""Effects that the closed form of a part takes as straight, or as its mean."""
 
 
 class SmoothChain:
@@ -203,9 +203,9 @@ def run_smooth(
     values = {**chain.model.numbers, **(numbers or {})}
     p = chain.values(width, values)
     start = chain.start(start_position, current[0], p)
-    arriving = current[:-1]
+    arriving = np.repeat(current[:-1], chain.parts)
     if "transport_delay" in values:
-        arriving = ca.evalf(delayed_current(time, current, values["transport_delay"])).full()
-    held = np.vstack([arriving, np.diff(time)])
-    states = chain.step.mapaccum(len(time) - 1)(start, held, p)
+        arriving = ca.evalf(delayed_current(time, current, values["transport_delay"], chain.parts)).full()
+    held = np.vstack([arriving, np.diff(finer(time, chain.parts))])
+    states = chain.part.mapaccum(held.shape[1])(start, held, p)[:, chain.parts - 1 :: chain.parts]
     return np.asarray(chain.reading.map(len(time))(ca.horzcat(start, states), p)).ravel()
