@@ -202,7 +202,10 @@ def _fit_smoothly(
     )  # fmt: skip
     base = Model(model.name, part.fit.model.values, model.effects)
     whole = fit_smooth(
-        experiments, base, effects=effects, progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share)
+        experiments,
+        base,
+        effects=effects,
+        progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share),
     )
     return part.fit, whole.fit, whole.smoothing
 

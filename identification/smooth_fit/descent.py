@@ -11,10 +11,12 @@ from identification.search import Found
 from identification.smooth_fit.residuals import SmoothResiduals
 from identification.smooth_fit.shooting import ShootingProgram
 
-WIDTHS = (100.0, 10.0, 1.0)
-"""Smoothing widths from wide to narrow; the last is within a sixth of the usual noise of the exact valve. [N]"""
+WIDTHS = (1000.0, 100.0, 10.0, 1.0)
+"""From wide, where even a swinging stem has one minimum, to narrow, within a sixth of the usual noise. [N]"""
 
 EVALUATIONS, PRECISION = 30, 1e-6
+ROUGH_PRECISION = 1e-3
+"""Of all widths but the last."""
 
 
 def descend_smooth(
@@ -43,20 +45,17 @@ def descend_smooth(
     return Found(result.x, float(result.cost))
 
 
-def narrowed(
-    residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]
-) -> Iterator[tuple[float, Found]]:
+def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
     """Yield what is found at each width, beginning at the last one's point."""
     point = start
     for width in widths:
-        found = descend_smooth(residuals, point, width)
+        precision = PRECISION if width == widths[-1] else ROUGH_PRECISION
+        found = descend_smooth(residuals, point, width, precision=precision)
         point = found.point
         yield width, found
 
 
-def narrowed_by_shooting(
-    problem: Problem, start: np.ndarray, widths: Sequence[float]
-) -> Iterator[tuple[float, Found]]:
+def narrowed_by_shooting(problem: Problem, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
     """Yield the same by multiple shooting, in ten times as long."""
     program = ShootingProgram(problem)
     point, nodes = start, None

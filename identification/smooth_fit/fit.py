@@ -100,9 +100,7 @@ def fit_smooth(
         path = list(narrowed(residuals, point, widths))
     progress("exact refit", (steps - 1) / steps)
     last = path[-1][1].point
-    refit = finished(
-        problem, descend(problem, last, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION)
-    )
+    refit = finished(problem, descend(problem, last, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION))
     return SmoothFit(refit, finished(problem, path[-1][1]), smoothing_of(problem, path, refit))
 
 
@@ -126,4 +124,3 @@ def _extended(fit: Fit, key: str) -> tuple[SmoothResiduals, np.ndarray]:
 
 def _tried(residuals: SmoothResiduals, start: np.ndarray, width: float) -> Found:
     return descend_smooth(residuals, start, width, evaluations=TRIAL_EVALUATIONS, precision=TRIAL_PRECISION)
-

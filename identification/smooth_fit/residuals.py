@@ -60,7 +60,9 @@ class _Run:
         s = ca.SX.sym("s", len(chain.states), len(self._unknowns))
         after = chain.part(x, u[:2], p)
         by_all = ca.jacobian(after, ca.vertcat(x, q, u[0]))
-        by_state, by_unknown, by_current = ca.horzsplit(by_all, [0, len(chain.states), by_all.size2() - 1, by_all.size2()])
+        by_state, by_unknown, by_current = ca.horzsplit(
+            by_all, [0, len(chain.states), by_all.size2() - 1, by_all.size2()]
+        )
         moved = ca.mtimes(by_state, s) + by_unknown
         for column, unknown in enumerate(self._unknowns):
             if unknown.name == "transport_delay":

@@ -65,7 +65,9 @@ class ShootingProgram:
         length = max(round(SEGMENT_TIME / float(np.median(np.diff(experiment.time)))), 1)
         segments = -(-count // length)
         is_unknown = "transport_delay" in names
-        delay = values[names.index("transport_delay")] if is_unknown else chain.model.numbers.get("transport_delay", 0.0)
+        delay = (
+            values[names.index("transport_delay")] if is_unknown else chain.model.numbers.get("transport_delay", 0.0)
+        )
         durations = np.diff(finer(experiment.time, chain.parts))
         held = ca.vertcat(arriving_function(experiment, chain)(delay)[0], ca.DM(durations).T)
         long = length * chain.parts
@@ -146,4 +148,3 @@ def _filled(position: np.ndarray) -> np.ndarray:
     """Return readings with gaps filled from their neighbours."""
     there = np.isfinite(position)
     return np.interp(np.arange(len(position)), np.flatnonzero(there), position[there])
-

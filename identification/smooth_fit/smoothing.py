@@ -43,9 +43,7 @@ class Smoothing:
         return {
             "width": {"value": self.width, "unit": "N"},
             "objective": self.error,
-            "parameters": {
-                name: {"value": value, "shift": self.shifts[name]} for name, value in self.values.items()
-            },
+            "parameters": {name: {"value": value, "shift": self.shifts[name]} for name, value in self.values.items()},
             "trajectory": {"rms": self.rms, "max": self.largest, "unit": "m"},
         }
 
@@ -59,9 +57,7 @@ def smoothing_of(problem: Problem, path: Sequence[tuple[float, Found]], refit: F
         shifts = {name: value - exact[name] for name, value in values.items()}
         apart = np.concatenate(_apart(finished(problem, found), width))
         made.append(
-            Smoothing(
-                width, found.error, values, shifts, float(np.sqrt(np.mean(apart**2))), float(np.abs(apart).max())
-            )
+            Smoothing(width, found.error, values, shifts, float(np.sqrt(np.mean(apart**2))), float(np.abs(apart).max()))
         )
     return tuple(made)
 

@@ -144,6 +144,13 @@ def test_multiple_shooting_ends_where_the_single_run_does():
         assert often.model.values[name] == pytest.approx(once.model.values[name], rel=1e-3), name
 
 
+def test_a_swinging_stem_is_found_by_way_of_wide_smoothing():
+    truth = calibrated(viscous_friction=1.59)
+    fitted = fit_smooth([experiment_of(record_of(truth, seconds=16.0))], far_start(2).with_values(viscous_friction=3.0))
+    for name in FREE:
+        assert fitted.smooth.model.values[name] == pytest.approx(truth.values[name], rel=2e-2), name
+
+
 @pytest.mark.parametrize(
     ("key", "values"),
     [
@@ -176,7 +183,7 @@ def test_command_writes_route_and_smoothing(tmp_path):
     content = json.loads((tmp_path / "out" / "fit.json").read_text())
     assert content["route"] == "smooth"
     widths = [each["width"]["value"] for each in content["smoothing"]]
-    assert widths == [100.0, 10.0, 1.0]
+    assert widths == [1000.0, 100.0, 10.0, 1.0]
     shift = content["smoothing"][-1]["parameters"]["spring_rate"]
     assert shift["value"] - shift["shift"] == pytest.approx(content["parameters"]["spring_rate"]["value"])
     assert "smoothing" in done.output

@@ -115,17 +115,17 @@ def _print_smoothing(console: Console, outcome: Outcome) -> None:
 
     from valvemodel.quantities import format_quantity
 
-    exact = {each.name: each.value for each in outcome.parameters}
+    exact = {each.name: each.value for each in outcome.parameters if each.name not in outcome.open}
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("smoothing", "objective", "off the exact run (rms, max)", "parameters off the exact refit, at most"):
+    for heading in ("smoothing", "objective", "off the exact run (rms, max)", "off the exact refit, at most"):
         table.add_column(heading, justify="right", no_wrap=True)
     for each in outcome.smoothing:
-        shares = {name: shift / exact[name] for name, shift in each.shifts.items() if exact[name] != 0.0}
-        farthest = max(shares, key=lambda name: abs(shares[name]))
+        shares = {name: each.shifts[name] / value for name, value in exact.items() if value != 0.0}
+        farthest = max(shares, key=lambda name: abs(shares[name]), default="")
         table.add_row(
             format_quantity(each.width, "N", digits=3),
             f"{each.error:.5g}",
             f"{format_quantity(each.rms, 'm', digits=2)}, {format_quantity(each.largest, 'm', digits=2)}",
-            f"{farthest} {100.0 * shares[farthest]:+.2g} %",
+            f"{farthest} {100.0 * shares[farthest]:+.2g} %" if farthest else "",
         )
     console.print(table)

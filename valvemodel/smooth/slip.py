@@ -85,5 +85,7 @@ def stop_time(
     over = ca.log1p(2.0 * beta * speed / ca.if_else(falls, falling, 1.0)) / (2.0 * beta)
     swing = ca.sqrt(ca.if_else(is_over, 1.0, ca.fmax(-discriminant, LEAST_RATE)))
     is_at_rest = ca.logic_and(speed == 0.0, acceleration <= 0.0)
-    under = ca.atan2(ca.if_else(is_at_rest, 0.0, swing * speed), ca.if_else(is_at_rest, 1.0, -alpha * speed - acceleration))
+    under = ca.atan2(
+        ca.if_else(is_at_rest, 0.0, swing * speed), ca.if_else(is_at_rest, 1.0, -alpha * speed - acceleration)
+    )
     return ca.if_else(is_over, ca.if_else(falls, over, NEVER), under / swing)

@@ -142,9 +142,7 @@ class SteeringProgram:
         count = current.size1()
         return (1.0 - part) * late[1 : count + 1] + part * late[:count]
 
-    def solve(
-        self, arrival: int, width: float, guess: np.ndarray, prices: tuple[float, float] = HASTE
-    ) -> Steered:
+    def solve(self, arrival: int, width: float, guess: np.ndarray, prices: tuple[float, float] = HASTE) -> Steered:
         """Solve for readings in the band from the end of a period on, at a smoothing width [N].
 
         Parameters
@@ -210,4 +208,3 @@ def _flat(unknowns: ca.MX, p: ca.MX, constraints: ca.MX) -> ca.Function:
     hessian = ca.MX(CURVATURE * ca.DM.eye(unknowns.size1()))
     names = (["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"])
     return ca.Function("hess_lag", [unknowns, p, weight, multipliers], [hessian], *names)
-

@@ -95,9 +95,7 @@ def move(
     x.velocity = motion.velocity_by_force * excess
 
 
-def friction(
-    p: Any, x: Any, side: Expression, speed: Expression, pressure: Expression, time: Expression
-) -> Expression:
+def friction(p: Any, x: Any, side: Expression, speed: Expression, pressure: Expression, time: Expression) -> Expression:
     """Return the friction of a stem that slips to a side at a speed, all but its viscous part. [N]"""
     level = sliding_friction(p, side, x.position, pressure, time)
     return level * weakened(p, speed) if "stribeck" in p.effects else level
