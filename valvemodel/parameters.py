@@ -48,6 +48,7 @@ STATE = np.dtype(
             "plan_linear", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
+            "quiet_yy", "quiet_vy", "quiet_friction",
             "known_damping", "known_stiffness", "known_duration",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
