@@ -24,6 +24,11 @@ def on_post_page(output: str, **_: Any) -> str:
     return FOREIGN.sub("", output)
 
 
+def on_post_template(output_content: str, **_: Any) -> str:
+    """Leave them out of pages that are made without Markdown, too."""
+    return FOREIGN.sub("", output_content)
+
+
 def typeset(text: str) -> str:
     """Replace the formulas of a text."""
     text = BLOCK.sub(lambda found: f"\n{mathml(found[1], display='block')}\n", text)

@@ -12,7 +12,8 @@ def cell(text: str) -> str:
 
 
 with mkdocs_gen_files.open("glossary.md", "w") as page:
-    page.write("# Glossary\n\n| letter in the paper | name in the code | unit | meaning | sign |\n|---|---|---|---|---|\n")
+    page.write("# Glossary\n\n")
+    page.write("| letter in the paper | name in the code | unit | meaning | sign |\n|---|---|---|---|---|\n")
     for letter in LETTERS.values():
         unit = "" if letter.unit == "1" else letter.unit
         page.write(
