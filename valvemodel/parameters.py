@@ -20,7 +20,6 @@ _COMPILED = (
     _HERE / "stepping.py",
     _HERE / "equations" / "numeric.py",
     _HERE / "linear" / "rates.py",
-    _HERE / "linear" / "simulated.py",
 )
 
 

@@ -3,11 +3,10 @@
 import control as ct
 import numpy as np
 import pytest
-
 from linear_slips import slip_response
-from valvemodel.errors import InputError
+
 from valvemodel.linear import linearise
-from valvemodel.linear.state_space import TREATMENTS, UNITS
+from valvemodel.linear.state_space import TREATMENTS
 from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
 from valvemodel.valves import read_valve

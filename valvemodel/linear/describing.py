@@ -45,12 +45,12 @@ class stiction_nonlinearity(ct.DescribingFunctionNonlinearity):  # noqa: N801 (n
             self._side = 0.0
         return self._output
 
-    def describing_function(self, A: float) -> complex:  # noqa: N803 (python-control's name)
+    def describing_function(self, A: float) -> complex:
         """Return first harmonic of the output over that of the input, 0 where the input is too small to move it."""
         if A < 0.0:
             raise ValueError("cannot evaluate describing function for A < 0")
         band = self.static + self.kinetic
-        if A <= 0.0 or 2.0 * A < band:
+        if A <= 0.0 or 0.5 * band > A:
             return 0.0
         held = A - self.kinetic
         sine = (A - band) / A

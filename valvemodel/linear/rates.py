@@ -49,8 +49,16 @@ def position_before(s, states, time, past):
 
 
 @compiled
+def shown(s, states, time, past):
+    """Return the controlled variable without its sampling. [m]"""
+    if s.lag > 0.0:
+        return states[OUTPUT]
+    return states[POSITION] if s.dead_time == 0.0 else position_before(s, states, time, past)
+
+
+@compiled
 def controlled(s, states, time, past):
-    """Return the controlled variable: what the process shows, or the position where there is none. [m]"""
+    """Return the controlled variable as the controller has it: of the process, or the position itself. [m]"""
     return states[OUTPUT] if s.lag > 0.0 else position_before(s, states, time, past)
 
 

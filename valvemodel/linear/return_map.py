@@ -19,6 +19,7 @@ from valvemodel.linear.rates import (
     excess,
     excess_force,
     rates,
+    shown,
     static_pressure_at,
 )
 from valvemodel.stages.slip import STOP_SPEED
@@ -224,19 +225,11 @@ class _Course:
                 (self.time, until), self._states, method="LSODA", events=events, rtol=RELATIVE, atol=ABSOLUTE,
             )  # fmt: skip
             columns = np.ascontiguousarray(solution.y.T)
-            self.values.append(
-                np.array(
-                    [
-                        controlled(self._s, each, when, self._past)
-                        for each, when in zip(columns, solution.t, strict=True)
-                    ]
-                )
-            )
+            pairs = zip(columns, solution.t, strict=True)
+            self.values.append(np.array([shown(self._s, each, when, self._past) for each, when in pairs]))
             self._states, self.time = columns[-1].copy(), float(solution.t[-1])
             fresh = np.column_stack((solution.t, columns[:, POSITION], columns[:, VELOCITY]))
-            self._past = np.concatenate((self._past, fresh[1:])) if side != 0.0 else self._past
-            if side == 0.0 and self._past[-1, 0] < self.time:
-                self._past = np.concatenate((self._past, fresh[-1:]))
+            self._past = np.concatenate((self._past, fresh[1:] if side != 0.0 else fresh[-1:]))
             if solution.status == 1:
                 return True
         return False

@@ -1,48 +1,22 @@
-"""The limit cycle that the exact simulator runs into, period by period, compiled."""
+"""The limit cycle that the exact simulator runs into, stepped period by period."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 
 import numpy as np
 
-from valvemodel.chain import CURRENT, advance_period, start_chain
-from valvemodel.compiled import compiled
 from valvemodel.linear.limit_cycle import LimitCycle
 from valvemodel.linear.loop import Loop
 from valvemodel.linear.rates import INTEGRAL, OUTPUT, POSITION
-from valvemodel.parameters import MEMORY, STATE
-from valvemodel.simulation import SUBSTEP, TOLERANCE
-from valvemodel.stages.sensor import read_sensor
+from valvemodel.stepping import SteppedValve
 
 TURNS = 6
 """Turns at the end of a run that are measured."""
 
 STEADINESS = 0.01
 """Spread of the periods of those turns over their mean, beyond which there is no cycle yet."""
-
-
-@compiled
-def _run(rows, states, memories, settings, drive, output, delayed, decay, period, substep, tolerance, outputs):
-    """Run the sampled loop; `outputs` is overwritten with the controlled variable at each sample, `delayed` as well."""
-    p, state, memory, s = rows[0], states[0], memories[0], settings[0]
-    start_chain(p, state, memory, drive, CURRENT, 0.0, substep)
-    integral = drive - s.reference - s.proportional * (s.setpoint - output)
-    now, before, place = 0.0, read_sensor(p, state, 0.0), 0
-    for sample in range(outputs.shape[0]):
-        outputs[sample] = output
-        error = s.setpoint - output
-        integral += s.integral * period * error
-        current = max(s.reference + s.proportional * error + integral, 0.0)
-        following = now + period
-        advance_period(p, state, memory, current, now, following - now, tolerance)
-        reading = read_sensor(p, state, following)
-        entering, before, now = 0.5 * (before + reading), reading, following
-        if delayed.shape[0] > 0:
-            leaving, delayed[place] = delayed[place], entering
-            entering = leaving
-            place = (place + 1) % delayed.shape[0]
-        output = reading if decay == 0.0 and delayed.shape[0] == 0 else entering + (output - entering) * decay
 
 
 def run_loop(loop: Loop, *, duration: float, start: np.ndarray | None = None) -> np.ndarray:
@@ -67,13 +41,23 @@ def run_loop(loop: Loop, *, duration: float, start: np.ndarray | None = None) ->
         position, output, integral = (float(start[place]) for place in (POSITION, OUTPUT, INTEGRAL))
         output = output if loop.lag > 0.0 else position
     drive = loop.current + loop.proportional * (loop.setpoint - output) + integral
-    delayed = np.full(round(loop.dead_time / loop.period), position)
+    valve = SteppedValve(loop.model, current=drive, start_position=position)
+    line = deque([position] * round(loop.dead_time / loop.period))
     decay = math.exp(-loop.period / loop.lag) if loop.lag > 0.0 else 0.0
+    setpoint, before = loop.setpoint, valve.reading
     outputs = np.empty(max(round(duration / loop.period), 2))
-    _run(
-        loop.model.rows(start_position=position), np.zeros(1, STATE), np.zeros(1, MEMORY), loop.settings, drive, output,
-        delayed, decay, loop.period, SUBSTEP, TOLERANCE, outputs,
-    )  # fmt: skip
+    for sample in range(len(outputs)):
+        outputs[sample] = output
+        error = setpoint - output
+        integral += loop.integral * loop.period * error
+        reading = valve.step(max(loop.current + loop.proportional * error + integral, 0.0), loop.period)
+        if loop.has_process:
+            line.append(0.5 * (before + reading))
+            arriving = line.popleft()
+            output = arriving + (output - arriving) * decay
+        else:
+            output = reading
+        before = reading
     return outputs
 
 

@@ -114,7 +114,7 @@ def linearise(
     >>> valve = read_valve("calibrated")
     >>> found = linearise(Model(valve.name, valve.values), current=12e-3)
     >>> round(float(found.current_to_position.dcgain()), 2)
-    20.04
+    12.64
     """
     point = operating_point(model, current=current, mode=mode, speed=speed)
     numbers = numbers_of(model)
