@@ -9,13 +9,14 @@ import numpy as np
 
 from valvemodel.control.laws.settings import HIGHEST_CURRENT, LOWEST_CURRENT
 from valvemodel.control.loop import coarse
+from valvemodel.control.scenario import check_conditions
 from valvemodel.equations.numeric import branch_intercept, branch_slope, current_threshold, mean_slope
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.stepping import SteppedValve
 
 RISING_CURRENTS = (13e-3, 16e-3, 19e-3)
-FALLING_CURRENTS = (15e-3, 12e-3, 9e-3)
+FALLING_CURRENTS = (14e-3, 11e-3, 8e-3)
 """Loads of steps 1 and 2, which the paper does not give. From 4 and 20 mA on they leave the loop even where the
 static friction is twice the sliding one, and reach over most of the travel. [A]"""
 
@@ -99,6 +100,7 @@ def self_calibrate(
     Paper, steps 1-3 of section 3, eqs. (35)-(40).
     """
     _check_loads(rising_currents, falling_currents)
+    check_conditions(period=settling, noise=noise, resolution=resolution)
     drawn = np.random.default_rng(seed).normal(scale=noise, size=7)
     valve = SteppedValve(model, current=LOWEST_CURRENT)
     start = coarse(valve.reading + drawn[6], resolution)

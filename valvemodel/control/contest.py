@@ -15,8 +15,8 @@ from valvemodel.control.kinds import KINDS, Kind
 from valvemodel.control.laws.settings import CHOICES, SETTING_PARAMETERS
 from valvemodel.control.loop import Run
 from valvemodel.control.measures import BAND_SHARE, UNITS, Measures, measures_of, overall
-from valvemodel.control.scenario import Scenario, held_levels
-from valvemodel.control.tuning import BUDGET, WEAR, Bench, cost, tune
+from valvemodel.control.scenario import Scenario, check_conditions, held_levels
+from valvemodel.control.tuning import AGEING, BUDGET, WEAR, Bench, cost, tune
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 
@@ -25,7 +25,7 @@ SCHEMA = "valvemodel.control/1"
 JUDGED = (0.5, 0.75, 0.70, 0.40, 0.45, 0.90, 0.20)
 """Set points of the contest as shares of the reach: long and short steps, with and against the last one."""
 
-TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15)
+TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15, 0.35, 0.95, 0.88, 0.65)
 """Set points of the tuning as shares of the reach."""
 
 START_CURRENT = 12e-3
@@ -61,6 +61,11 @@ class Contest:
         """Return the entry of a kind."""
         return next(entry for entry in self.entries if entry.kind.key == key)
 
+    @property
+    def has_one_friction(self) -> bool:
+        """Whether the valve's static friction is its sliding one, so that a slip can be as short as one likes."""
+        return self.bench.branches.slip_jump == 0.0
+
     def as_json(self) -> dict[str, Any]:
         """Return the content of control.json."""
         return {
@@ -71,7 +76,8 @@ class Contest:
             "tuning": {
                 "cost": "mean absolute error + 1 s x mean speed of travel beyond what the set points ask for",
                 "wear": {"value": WEAR, "unit": "s"},
-                "runs_per_controller": self.budget,
+                "valves": f"as it is, and with friction grown by {100 * AGEING:g} %; the mean of both counts",
+                "settings_tried": self.budget,
                 "method": "differential evolution, then Nelder-Mead, over the logarithms of the settings",
             },
             "settling_band": {"value": BAND_SHARE * self.bench.model.values["rated_travel"], "unit": "m"},
@@ -85,7 +91,7 @@ def hold_contest(
     model: Model,
     *,
     levels: Sequence[float] | None = None,
-    duration: float = 10.0,
+    duration: float = 20.0,
     period: float = 0.01,
     noise: float = 1e-4,
     resolution: float = 0.0,
@@ -103,7 +109,7 @@ def hold_contest(
     levels : sequence of float, optional
         Set points; by default shares of what the valve can reach from both sides. [m]
     duration : float
-        For which each is held. [s]
+        For which each is held, in the tuning too. [s]
     period : float
         Of the controllers. [s]
     noise, resolution : float
@@ -124,6 +130,7 @@ def hold_contest(
     InputError
         If the valve cannot be calibrated, or a set point is out of its reach.
     """
+    check_conditions(period=period, noise=noise, resolution=resolution)
     bench = make_bench(model, noise=noise, resolution=resolution, seed=seed)
     low, high = bench.branches.reach
 

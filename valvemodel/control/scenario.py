@@ -9,6 +9,12 @@ import numpy as np
 
 from valvemodel.errors import InputError
 
+LEAST_PERIODS = 10
+"""Shorter steps cannot be measured."""
+
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-4, 10.0
+"""Of a controller. [s]"""
+
 
 @dataclass(frozen=True)
 class Scenario:
@@ -34,12 +40,7 @@ class Scenario:
     resolution: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 1e-4 <= self.period <= 10.0:
-            raise InputError(
-                "a controller period lies in 0.1 ms..10 s", f"got {self.period:g} s", 'write it like "10 ms"'
-            )
-        if not (self.resolution >= 0.0 and np.isfinite(self.resolution)):
-            raise InputError("a resolution is not negative", f"got {self.resolution:g} m", "give 0 for none")
+        check_conditions(period=self.period, resolution=self.resolution)
         rows = (self.setpoint, self.load, self.noise)
         if len({row.shape for row in rows}) != 1 or self.setpoint.ndim != 1 or len(self.setpoint) < 2:
             raise InputError(
@@ -89,11 +90,10 @@ def held_levels(
     seed : int
         Of the noise.
     """
-    if not noise >= 0.0 or not np.isfinite(noise):
-        raise InputError("noise is a standard deviation and not negative", f"got {noise:g} m", "give 0 for none")
-    if not duration >= 10.0 * period or not np.isfinite(duration):
+    check_conditions(period=period, noise=noise, resolution=resolution)
+    if not duration >= LEAST_PERIODS * period or not np.isfinite(duration):
         raise InputError(
-            "a set point is held for ten periods at least",
+            f"a set point is held for {LEAST_PERIODS} periods at least",
             f"got {duration:g} s at a period of {period:g} s",
             "give a longer duration or a shorter period",
         )
@@ -102,3 +102,22 @@ def held_levels(
     loads = np.tile(np.where(np.arange(each) < each // 2, 0.0, load), len(levels))
     drawn = np.random.default_rng(seed).normal(size=len(setpoint))
     return Scenario(period, setpoint, loads, noise * drawn, resolution)
+
+
+def check_conditions(*, period: float, noise: float = 0.0, resolution: float = 0.0) -> None:
+    """Refuse a period, a noise or a resolution that no controller has.
+
+    Raises
+    ------
+    InputError
+        If the period is outside `SHORTEST_PERIOD`..`LONGEST_PERIOD` or a length is negative or not finite.
+    """
+    if not SHORTEST_PERIOD <= period <= LONGEST_PERIOD:
+        raise InputError(
+            f"a controller period lies in {1e3 * SHORTEST_PERIOD:g} ms..{LONGEST_PERIOD:g} s",
+            f"got {period:g} s",
+            'write it like "10 ms"',
+        )
+    for name, length in (("noise", noise), ("resolution", resolution)):
+        if not (length >= 0.0 and np.isfinite(length)):
+            raise InputError(f"the {name} of a reading is not negative", f"got {length:g} m", "give 0 mm for none")

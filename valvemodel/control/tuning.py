@@ -27,6 +27,9 @@ POPULATION = 32
 SEED = 0
 """Of the search, so that a contest can be repeated."""
 
+AGEING = 0.2
+"""Growth of the friction on the second of the two valves that a tuning must suit; the first is the fresh one."""
+
 WEAR = 1.0
 """Weight of needless travel: seconds by which a mean speed counts as a mean error. [s]"""
 
@@ -40,6 +43,11 @@ def cost(run: Run) -> float:
     asked = np.abs(np.diff(run.setpoint)).sum() + abs(run.setpoint[0] - run.position[0])
     needless = max(np.abs(np.diff(run.position)).sum() - asked, 0.0)
     return float(error + WEAR * needless / (run.time[-1] - run.time[0]))
+
+
+def aged(model: Model, growth: float) -> Model:
+    """Return the model with its friction grown by a share, static as well as sliding."""
+    return model.with_values(coulomb_friction=model.values["coulomb_friction"] * (1.0 + growth))
 
 
 @dataclass(frozen=True)
@@ -67,6 +75,11 @@ class Bench:
             tuned, start_current=self.start_current, calibration=self.calibration, branches=self.branches
         )
 
+    def training_cost(self, controller: Controller, scenario: Scenario) -> float:
+        """Return the mean cost on the fresh and on the aged valve. [m]"""
+        valves = (self.model, aged(self.model, AGEING))
+        return 0.5 * sum(cost(self.run(controller, scenario, valve)) for valve in valves)
+
     def run(self, controller: Controller, scenario: Scenario, model: Model | None = None) -> Run:
         """Run a controller on the bench's valve, or on another in its place."""
         return run_compiled(model or self.model, controller, scenario, start_current=self.start_current)
@@ -78,7 +91,7 @@ def tune(bench: Bench, kind: Kind, scenario: Scenario, *, budget: int = BUDGET) 
     Differential evolution (Storn and Price 1997) over the box of the logarithms, then Nelder and Mead's simplex.
     """
     if not kind.tunables:
-        return {}, cost(bench.run(bench.controller(kind, {}), scenario))
+        return {}, bench.training_cost(bench.controller(kind, {}), scenario)
     from scipy.optimize import differential_evolution, minimize
     from scipy.stats import qmc
 
@@ -90,7 +103,7 @@ def tune(bench: Bench, kind: Kind, scenario: Scenario, *, budget: int = BUDGET) 
         if len(tried) >= budget:
             return np.inf
         place = np.clip(place, low, high)
-        tried.append((cost(bench.run(bench.controller(kind, _named(kind, place)), scenario)), place))
+        tried.append((bench.training_cost(bench.controller(kind, _named(kind, place)), scenario), place))
         return tried[-1][0]
 
     population = low + (high - low) * qmc.Sobol(len(low), seed=SEED).random(POPULATION)

@@ -12,6 +12,10 @@ HOLDING, SLIPPING, WITHDRAWING = 0.0, 1.0, 2.0
 WITHDRAWAL = 1.25
 """Way back over the shortest slip, where the stem is too near the set point to land on it."""
 
+UNMOVED, STRETCH, MOST_STRETCH = 0.1, 0.5, 1.0
+"""A move that went less than this share of its way failed to free the stem; the shortest slip is then taken to be
+longer, by this share of what the model says, up to the most."""
+
 
 @compiled
 def land(s, m, setpoint, reading):
@@ -20,7 +24,7 @@ def land(s, m, setpoint, reading):
     A stem slipping under a held pressure stops where the sliding friction ends the motion, whatever it took to break
     away; so the current of that point on the branch is set and held. The readings of the later half of the dwell say
     where the stem came to rest; beyond the dead band their error is added to the branch that was used, and the move is
-    made again. A stem nearer than the shortest slip first withdraws.
+    made again. A stem nearer than the shortest slip first withdraws; a move that frees nothing makes that slip longer.
 
     References
     ----------
@@ -42,17 +46,18 @@ def land(s, m, setpoint, reading):
 def approach(s, m, setpoint, position):
     """Begin to move: to the set point, or first away from it."""
     error = setpoint - position
-    if abs(error) < s.slip_jump:
+    shortest = s.slip_jump * (1.0 + m.stretch)
+    if abs(error) < shortest:
         side = -math.copysign(1.0, error)
-        begin(s, m, WITHDRAWING, side, position + side * WITHDRAWAL * s.slip_jump)
+        begin(s, m, WITHDRAWING, side, position, position + side * WITHDRAWAL * shortest)
     else:
-        begin(s, m, SLIPPING, math.copysign(1.0, error), setpoint)
+        begin(s, m, SLIPPING, math.copysign(1.0, error), position, setpoint)
 
 
 @compiled
-def begin(s, m, phase, direction, target):
+def begin(s, m, phase, direction, position, target):
     """Hold the current whose slip ends at the target, and wait anew."""
-    m.phase, m.direction = phase, direction
+    m.phase, m.direction, m.began_at, m.aimed_at = phase, direction, position, target
     offset = m.rising_offset if direction > 0.0 else m.falling_offset
     m.held_current = branch_current(s, direction, target + offset)
     wait(m)
@@ -68,14 +73,18 @@ def wait(m):
 def judge(s, m, setpoint, position):
     """Say after a dwell whether the stem is where it should be, learn from a landing beside it, and go on."""
     error = setpoint - position
+    has_failed = m.phase != HOLDING and abs(position - m.began_at) < UNMOVED * abs(m.aimed_at - m.began_at)
+    if has_failed:
+        m.stretch = min(m.stretch + STRETCH, MOST_STRETCH)
     if m.phase == WITHDRAWING:
-        begin(s, m, SLIPPING, -m.direction, setpoint)
-    elif abs(error) > s.dead_band:
-        if m.phase == SLIPPING and m.direction > 0.0:
-            m.rising_offset += error
-        elif m.phase == SLIPPING:
-            m.falling_offset += error
-        approach(s, m, setpoint, position)
-    else:
+        begin(s, m, SLIPPING, -m.direction, position, setpoint)
+        return
+    if abs(error) <= s.dead_band:
         m.phase = HOLDING
         wait(m)
+        return
+    if m.phase == SLIPPING and m.direction > 0.0:
+        m.rising_offset += error
+    elif m.phase == SLIPPING:
+        m.falling_offset += error
+    approach(s, m, setpoint, position)

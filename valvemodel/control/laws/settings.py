@@ -74,7 +74,7 @@ RECOLLECTION = np.dtype(
         for name in (
             "is_started", "integral", "last_error", "last_reading", "last_setpoint", "last_output", "last_current",
             "direction", "line_offset", "clock", "knocked_from", "knock_direction",
-            "phase", "held_current", "readings_sum", "readings_count", "rising_offset", "falling_offset",
+            "phase", "held_current", "readings_sum", "readings_count", "rising_offset", "falling_offset", "began_at", "aimed_at", "stretch",
         )
     ]
 )  # fmt: skip
