@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from valvemodel.control.contest import Contest
     from valvemodel.model import Model
 
-_PIPED_WIDTH = 140
+_PIPED_WIDTH = 160
 
 
 @click.command(
@@ -49,9 +49,7 @@ Examples:
     help='Set points, each held in turn: "120 mm, 60 %, 130 mm" (% of the rated travel).  '
     "[default: long and short steps within the valve's reach]",
 )
-@click.option(
-    "--duration", metavar="TIME", default="20 s", show_default=True, help="For which each set point is held."
-)
+@click.option("--duration", metavar="TIME", default="20 s", show_default=True, help="For which each set point is held.")
 @click.option("--period", metavar="TIME", default="10 ms", show_default=True, help="Controller period.")
 @click.option(
     "--noise",

@@ -35,11 +35,14 @@ COARSE = {name: (levels[0], levels[-1]) for name, levels in FACTORS.items()}
 NOMINAL = {"friction_ratio": 1.2, "period_factor": 1.0, "noise_factor": 1.0, "friction_growth": 0.0}
 """Where everything is tuned."""
 
-LEVELS = (0.35, 0.65, 0.58, 0.42)
-"""Set points as shares of the reach: a long and a short step each way. """
+LEVELS = (0.65, 0.55)
+"""Set points as shares of the reach: a long step and a short one back."""
 
-HOLD = 20.0
-"""For how long each is held: the tail holds two limit cycles of up to 5 s. [s]"""
+HOLD = 60.0
+"""For how long each is held: the tail holds two limit cycles of up to 15 s. [s]"""
+
+TRAINING_HOLD = 20.0
+"""For how long each set point of the tuning is held. [s]"""
 
 KEYS = ("pid", "sc", "sc_pid_mean", "sc_pid_misread", "sc_pid_dead_band", "dead_band", "inverse", "landing")
 MENDS = ("sc_pid_dead_band", "dead_band", "inverse", "landing")
@@ -92,7 +95,10 @@ def claims_of(grid: Grid) -> dict[str, tuple[str, np.ndarray]]:
         for each in (pid, sc_pid)
     ]
     return {
-        "pid_oscillates": ("PID oscillates: a limit cycle lasts", pid["limit_cycle_amplitude"] > 0.0),
+        "pid_oscillates": (
+            f"PID oscillates: a limit cycle of up to {0.25 * HOLD:g} s lasts",
+            pid["limit_cycle_amplitude"] > 0.0,
+        ),
         "sc_deviates": (
             f"SC leaves a fixed deviation: steady error beyond {band}, no cycle",
             (sc["steady_error"] > grid.band) & (sc["limit_cycle_amplitude"] == 0.0),
@@ -134,7 +140,7 @@ def run_grid(
         for ratio in {*factors["friction_ratio"], NOMINAL["friction_ratio"]}
     }
     nominal = benches[NOMINAL["friction_ratio"]]
-    training = _scenario(nominal, TRAINED, period, noise, resolution, 3 * seed + 1)
+    training = _scenario(nominal, TRAINED, TRAINING_HOLD, period, noise, resolution, 3 * seed + 1)
     tuned = {}
     for index, key in enumerate(KEYS):
         progress(f"tuning {kind_of(key).title}", 0.3 * index / len(KEYS))
@@ -142,7 +148,7 @@ def run_grid(
 
     def at(ratio: float, gain: float, slower: float, louder: float, growth: float) -> list[dict[str, float]]:
         bench = benches[ratio]
-        scenario = _scenario(bench, LEVELS, slower * period, louder * noise, resolution, 3 * seed + 2)
+        scenario = _scenario(bench, LEVELS, HOLD, slower * period, louder * noise, resolution, 3 * seed + 2)
         old = aged(bench.model, growth)
         return [_measured(bench, old, key, tuned[key], gain, scenario) for key in KEYS]
 
@@ -174,11 +180,11 @@ def _mapped(
 
 
 def _scenario(
-    bench: Bench, shares: Sequence[float], period: float, noise: float, resolution: float, seed: int
+    bench: Bench, shares: Sequence[float], hold: float, period: float, noise: float, resolution: float, seed: int
 ) -> Scenario:
     low, high = bench.branches.reach
     levels = [low + share * (high - low) for share in shares]
-    return held_levels(levels, duration=HOLD, period=period, noise=noise, resolution=resolution, seed=seed)
+    return held_levels(levels, duration=hold, period=period, noise=noise, resolution=resolution, seed=seed)
 
 
 def _measured(

@@ -22,7 +22,7 @@ from valvemodel.model import Model
 
 SCHEMA = "valvemodel.control/1"
 
-JUDGED = (0.5, 0.75, 0.70, 0.40, 0.45, 0.90, 0.20)
+JUDGED = (0.50, 0.75, 0.71, 0.40, 0.45, 0.90, 0.20)
 """Set points of the contest as shares of the reach: long and short steps, with and against the last one."""
 
 TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15, 0.35, 0.95, 0.88, 0.65)
@@ -247,7 +247,8 @@ def _entry_json(entry: Entry) -> dict[str, Any]:
         "tuned": [tunable.name for tunable in entry.kind.tunables],
         "tuned_as": entry.kind.tuned_as or entry.kind.key,
         "settings": {
-            name: {"value": value, "unit": _UNITS_OF_SETTINGS[name]} for name, value in entry.controller.settings.items()
+            name: {"value": value, "unit": _UNITS_OF_SETTINGS[name]}
+            for name, value in entry.controller.settings.items()
         },
         "training_cost": {"value": entry.training_cost, "unit": "m"},
         "cost": {"value": entry.cost, "unit": "m"},

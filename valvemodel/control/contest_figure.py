@@ -38,6 +38,8 @@ def draw_contest(contest: Contest, places: list[Path]) -> None:
         row, column = divmod(len(contest.entries), COLUMNS)
         _draw_bars(figure.add_subplot(grid[2 * row : 2 * row + 2, column:]), contest)
         figure.suptitle(_heading(contest), fontsize=11)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
         for place in places:
             figure.savefig(place, dpi=110, metadata={"Date": None} if place.suffix == ".svg" else None)
 

@@ -12,8 +12,8 @@ from valvemodel.chain import CURRENT, advance_period, start_chain
 from valvemodel.compiled import compiled
 from valvemodel.control.controller import Controller
 from valvemodel.control.laws.law import step, within_limits
-from valvemodel.control.scenario import Scenario
 from valvemodel.control.laws.settings import RECOLLECTION
+from valvemodel.control.scenario import Scenario
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE

@@ -51,14 +51,19 @@ def branch_current(s, direction, position):
 
 
 @compiled
-def gain_schedule(s, setpoint):
-    """Return the slope of the current over the position at the set point, relative to its mean over the travel."""
+def slope_at(s, position):
+    """Return the slope of the current over the position, the mean of both branches. [A/m]"""
     half = 2.0 * s.table_step
-    above = branch_current(s, 1.0, setpoint + half) + branch_current(s, -1.0, setpoint + half)
-    below = branch_current(s, 1.0, setpoint - half) + branch_current(s, -1.0, setpoint - half)
-    last = TABLE_LENGTH - 1
-    whole = s.rising_currents[last] + s.falling_currents[last] - s.rising_currents[0] - s.falling_currents[0]
-    return (above - below) / (2.0 * half) * (last * s.table_step) / whole
+    above = branch_current(s, 1.0, position + half) + branch_current(s, -1.0, position + half)
+    below = branch_current(s, 1.0, position - half) + branch_current(s, -1.0, position - half)
+    return (above - below) / (4.0 * half)
+
+
+@compiled
+def gain_schedule(s, setpoint):
+    """Return that slope at the set point, relative to the middle of the travel."""
+    middle = s.table_low + 0.5 * (TABLE_LENGTH - 1.0) * s.table_step
+    return slope_at(s, setpoint) / slope_at(s, middle)
 
 
 @inlined
