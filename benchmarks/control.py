@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import click
 import numpy as np
@@ -60,15 +61,14 @@ def main(repeats: int) -> None:
 
     valve = read_valve("calibrated")
     model = Model(valve.name, valve.values).with_effect("static_friction", static_friction_ratio=1.2)
-    scenario = held_levels(
-        np.tile([0.12, 0.18, 0.15, 0.10, 0.20], 20), duration=SECONDS / 100.0, period=PERIOD, noise=1e-4
-    )
+    levels = [0.12, 0.18, 0.15, 0.10, 0.20] * 20
+    scenario = held_levels(levels, duration=SECONDS / len(levels), period=PERIOD, noise=1e-4)
     branches, calibration = branches_of(model), self_calibrate(model)
     slowest = 0.0
     for kind in KINDS:
         tuned = {each.name: np.sqrt(each.low * each.high) * each.scale(branches) for each in kind.tunables}
         controller = kind.controller(tuned, start_current=12e-3, calibration=calibration, branches=branches)
-        taken = least(lambda one=controller: run_compiled(model, one, scenario, start_current=12e-3), repeats)
+        taken = least(partial(run_compiled, model, controller, scenario, start_current=12e-3), repeats)
         slowest = max(slowest, taken)
         click.echo(f"{kind.title:40s} {1e3 * taken:6.1f} ms for {SECONDS:g} s at {1e3 * PERIOD:g} ms, compiled")
     stepped = least(lambda: run_stepped(model, plain_pid(12e-3), scenario, start_current=12e-3), max(repeats // 2, 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -76,7 +76,7 @@ Examples:
 @click.option(
     "--tuning-runs",
     type=click.IntRange(min=40),
-    default=640,
+    default=400,
     show_default=True,
     help="Settings that each controller may try; the same number for all.",
 )
@@ -131,10 +131,12 @@ def control(
 
     model = valve_model(valve)[0] if model_file is None else read_model(model_file)
     model, notes = with_effects(model, effects)
-    conditions = {
+    conditions: dict[str, Any] = {
         "period": parse_quantity(period, unit="s"),
         "noise": parse_quantity(noise, unit="m"),
         "resolution": parse_quantity(resolution, unit="m"),
+        "seed": seed,
+        "budget": tuning_runs,
     }
     levels = None if setpoints is None else _levels(setpoints, model)
     held, force = parse_quantity(duration, unit="s"), parse_quantity(load, unit="N")
@@ -147,8 +149,6 @@ def control(
             grid = run_grid(
                 model,
                 **conditions,
-                seed=seed,
-                budget=tuning_runs,
                 factors=COARSE if coarse else FACTORS,
                 progress=progress,
             )
@@ -164,8 +164,6 @@ def control(
                 duration=held,
                 **conditions,
                 load=force,
-                seed=seed,
-                budget=tuning_runs,
                 progress=progress,
             )
         places = write_together(out, lambda folder: _write_contest(contest, folder))

@@ -104,7 +104,7 @@ def self_calibrate(
     drawn = np.random.default_rng(seed).normal(scale=noise, size=7)
     valve = SteppedValve(model, current=LOWEST_CURRENT)
     start = coarse(valve.reading + drawn[6], resolution)
-    rows = []
+    rows: list[tuple[float, float]] = []
     for current in (*rising_currents, *falling_currents):
         if len(rows) == 3:
             valve.step(HIGHEST_CURRENT, settling)

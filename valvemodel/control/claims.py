@@ -237,8 +237,8 @@ def _slips(grid: Grid) -> str:
     if not over:
         return f"{said}; it fits into the band of +-{1e3 * grid.band:g} mm."
     return (
-        f"{said}. From {min(over):g} on it is longer than the whole band of +-{1e3 * grid.band:g} mm: a controller that "
-        "raises the current until the stem lets go cannot stop in the band but by luck."
+        f"{said}. From {min(over):g} on it is longer than the whole band of +-{1e3 * grid.band:g} mm: a controller "
+        "that raises the current until the stem lets go cannot stop in the band but by luck."
     )
 
 

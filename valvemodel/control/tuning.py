@@ -15,7 +15,7 @@ from valvemodel.control.loop import Run, run_compiled
 from valvemodel.control.scenario import Scenario
 from valvemodel.model import Model
 
-BUDGET = 640
+BUDGET = 400
 """Runs that each kind may use."""
 
 GLOBAL_SHARE = 0.8

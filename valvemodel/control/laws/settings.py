@@ -45,7 +45,7 @@ SETTING_PARAMETERS = (
     Parameter("table_low", "m", "first position of the tables of currents", -10.0, 10.0, 0.0),
     Parameter("table_step", "m", "distance of their positions", 0.0, 1.0, 1.0),
 )
-"""Numbers of all laws; a law reads those that it needs. Gains are per second, so that they outlive a change of period."""
+"""Numbers of all laws; a law reads those that it needs. Gains are per second, so that the period may change."""
 
 CHOICES = (
     "law",
@@ -74,7 +74,8 @@ RECOLLECTION = np.dtype(
         for name in (
             "is_started", "integral", "last_error", "last_reading", "last_setpoint", "last_output", "last_current",
             "direction", "line_offset", "clock", "knocked_from", "knock_direction",
-            "phase", "held_current", "readings_sum", "readings_count", "rising_offset", "falling_offset", "began_at", "aimed_at", "stretch",
+            "phase", "held_current", "readings_sum", "readings_count",
+            "rising_offset", "falling_offset", "began_at", "aimed_at", "stretch",
         )
     ]
 )  # fmt: skip
