@@ -9,7 +9,6 @@ from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
 
-
 INTEGRATED = {
     "coil_lag", "gap_drift", "chamber_filling", "asymmetric_filling", "supply_droop",
     "stribeck", "position_dependent_friction", "presliding", "spring_hardening", "load_force", "friction_drift",
