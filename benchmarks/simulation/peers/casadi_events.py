@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
 from benchmarks.simulation.workload import PERIOD, STOP_SPEED, Stem
 
 TITLE = "CasADi integrator with events"
-SETTINGS = tuple(
-    (plugin, tolerance) for tolerance in (1e-6, 1e-8, 1e-10, 1e-12) for plugin in ("cvodes", "erk", "rosenbrock")
-)
+SETTINGS = (("erk", 1e-4), ("cvodes", 1e-6), ("erk", 1e-6), ("cvodes", 1e-8), ("erk", 1e-8))
 
 
 def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.ndarray:
@@ -20,15 +20,13 @@ def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.nda
     before = ca.Function("before", [state, pressure], [switched(stem, state, pressure)])
     slip = integrator(stem, *setting)
     switched_state = before(state, pressure)
-    after = ca.if_else(
-        switched_state[2] == 0.0, switched_state, slip(x0=switched_state, p=pressure)["xf"], True
-    )
+    after = ca.if_else(switched_state[2] == 0.0, switched_state, slip(x0=switched_state, p=pressure)["xf"], True)
     period = ca.Function("period", [state, pressure], [after])
     states = np.array(period.mapaccum(len(pressures) - 1)(start, pressures[None, :-1]))
     return np.concatenate([[float(start[0])], states[0]])
 
 
-def switched(stem: Stem, state: ca.MX, pressure: ca.MX) -> ca.MX:
+def switched(stem: Stem, state: Any, pressure: Any) -> Any:
     """Return position, velocity and side of a stem at which a pressure begins to act."""
     y, v, side = state[0], state[1], state[2]
     net = stem.area * pressure - stem.rate * y
@@ -53,6 +51,6 @@ def integrator(stem: Stem, plugin: str, tolerance: float) -> ca.Function:
         ca.event_in(),
         ca.event_out(),
     )
-    dae = {"x": state, "p": pressure, "ode": slips * slope, "zero": side * v}
-    options = {"transition": transition, "reltol": tolerance, "abstol": 1e-3 * tolerance}
+    dae: dict[str, Any] = {"x": state, "p": pressure, "ode": slips * slope, "zero": side * v}
+    options: dict[str, Any] = {"transition": transition, "reltol": tolerance, "abstol": 1e-3 * tolerance}
     return ca.integrator("slip", plugin, dae, 0.0, PERIOD, options)

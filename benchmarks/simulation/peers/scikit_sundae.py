@@ -8,7 +8,7 @@ from sksundae.cvode import CVODE
 from benchmarks.simulation.workload import PERIOD, Stem
 
 TITLE = "SUNDIALS CVODE with roots (scikit-sundae)"
-SETTINGS = tuple((method, tolerance) for tolerance in (1e-6, 1e-8, 1e-10, 1e-12) for method in ("Adams", "BDF"))
+SETTINGS = (("Adams", 1e-6), ("Adams", 1e-7), ("Adams", 1e-8), ("BDF", 1e-8), ("Adams", 1e-10))
 
 
 def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.ndarray:
@@ -24,7 +24,8 @@ def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.nda
     def speed(_: float, state: np.ndarray, events: np.ndarray) -> None:
         events[0] = side * state[1]
 
-    speed.terminal, speed.direction = [True], [-1]
+    speed.terminal = [True]  # type: ignore[attr-defined]
+    speed.direction = [-1]  # type: ignore[attr-defined]
     solver = CVODE(
         slope, method=method, rtol=tolerance, atol=1e-3 * tolerance, eventsfn=speed, num_events=1, max_num_steps=100_000
     )

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from benchmarks.simulation.workload import PERIOD, Stem
 
 TITLE = "SciPy solve_ivp with events"
-SETTINGS = tuple((method, tolerance) for tolerance in (1e-6, 1e-8, 1e-10, 1e-12) for method in ("DOP853", "LSODA"))
+SETTINGS = (("DOP853", 1e-4), ("DOP853", 1e-6), ("LSODA", 1e-7), ("DOP853", 1e-8), ("DOP853", 1e-10))
 
 
 def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.ndarray:
@@ -23,7 +23,7 @@ def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.nda
     def velocity(_: float, state: np.ndarray, __: float) -> float:
         return state[1]
 
-    velocity.terminal = True
+    velocity.terminal = True  # type: ignore[attr-defined]
     y, v, side = stem.rest(pressures[0]), 0.0, 0.0
     positions = np.empty(len(pressures))
     for sample, pressure in enumerate(pressures.tolist()):
@@ -34,10 +34,17 @@ def run(stem: Stem, pressures: np.ndarray, setting: tuple[str, float]) -> np.nda
                 v, side = 0.0, 0.0
                 break
             side = side or float(np.sign(stem.net(y, pressure)))
-            velocity.direction = -side
+            velocity.direction = -side  # type: ignore[attr-defined]
             force = stem.area * pressure - side * coulomb
             found = solve_ivp(
-                slope, (time, PERIOD), (y, v), method, args=(force,), events=velocity, rtol=tolerance, atol=1e-3 * tolerance
+                slope,
+                (time, PERIOD),
+                (y, v),
+                method,
+                args=(force,),
+                events=velocity,
+                rtol=tolerance,
+                atol=1e-3 * tolerance,
             )
             y, v, time = float(found.y[0, -1]), float(found.y[1, -1]), float(found.t[-1])
             if found.status == 1:
