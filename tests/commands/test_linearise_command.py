@@ -57,7 +57,8 @@ def test_mistakes_end_with_a_message_and_no_files(command, tmp_path, words, rule
     assert not (tmp_path / "made").exists()
 
 
-def test_figures_of_the_paper(command, tmp_path):
+def test_figures_of_the_paper(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("valvemodel.paper_figures.comparison.BUDGET", 40)
     result = command("figures", "--out", "made")
     assert result.exit_code == 0, result.output
     content = json.loads((tmp_path / "made" / "figures.json").read_text())
@@ -75,6 +76,8 @@ def test_figures_of_the_paper(command, tmp_path):
     )
     assert position[part == 0][-1] == pytest.approx(0.263, abs=2e-6)
     assert position[(part == 1) & np.isclose(current, 7e-3)][0] == pytest.approx(0.2131, abs=2e-6)
+    courses = content["figure_9"]["courses"]
+    assert len(courses["pid"]["value"]) == len(courses["time"]["value"]) > 1000
     loops = content["figure_7"]
     width = loops["linear"]["true_width"]["middle"]["value"]
     assert loops["linear"]["threshold"]["value"] == pytest.approx(width, rel=0.01)
