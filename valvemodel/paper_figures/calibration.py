@@ -79,8 +79,8 @@ def calibrated(name: str) -> Calibrated:
     loop = settled_loop(Model(valve.name, valve.values), CORNERS)
     rising, falling = (_records(loop, part, currents) for part, currents in ((0, RISING), (1, FALLING)))
     slope = float(mean_slope(branch_slope(*rising.ravel()), branch_slope(*falling.ravel())))
-    intercepts = tuple(float(branch_intercept(slope, *branch.ravel())) for branch in (rising, falling))
-    return Calibrated(loop, rising, falling, slope, intercepts, float(current_threshold(slope, *intercepts)))
+    above, below = (float(branch_intercept(slope, *branch.ravel())) for branch in (falling, rising))
+    return Calibrated(loop, rising, falling, slope, (below, above), float(current_threshold(slope, below, above)))
 
 
 def _records(loop: SettledLoop, part: int, currents: tuple[float, ...]) -> np.ndarray:
@@ -127,12 +127,12 @@ def draw_scheme(figure: Figure, each: Calibrated) -> None:
         axes.plot(1e3 * span, 1e3 * (each.slope * span + intercept), "--", color=colour, linewidth=1.1)
         for number, point in enumerate(points):
             axes.annotate(
-                f"($I_{first + number}$, ${letter}_{number + 1}$)", 1e3 * point, xytext=offset,
+                f"($I_{first + number}$, ${letter}_{number + 1}$)", tuple(1e3 * point), xytext=offset,
                 textcoords="offset points", ha=side, color=colour,
             )  # fmt: skip
         start = 1e3 * np.array([span[0], each.slope * span[0] + intercept])
         words = f"$k\\,i + b_{1 if first == 1 else 2}$, b = {1e3 * intercept:.1f} mm"
-        axes.annotate(words, start, xytext=(4, -16), textcoords="offset points", color=colour)
+        axes.annotate(words, tuple(start), xytext=(4, -16), textcoords="offset points", color=colour)
     place = float(np.mean([each.rising[1, 1], each.falling[1, 1]]))
     ends = [1e3 * (place - intercept) / each.slope for intercept in each.intercepts]
     axes.annotate("", (ends[0], 1e3 * place), (ends[1], 1e3 * place), arrowprops={"arrowstyle": "<->", "color": INK})
