@@ -22,7 +22,7 @@ def test_a_scaling_changes_no_relation(record, is_affine):
 
 @pytest.mark.parametrize(("record", "is_affine"), KINDS)
 def test_what_no_scaling_moves_is_seen(record, is_affine):
-    """The numbers less the scalings is the rank of the relations' derivatives at many random signals, by other means."""
+    """The count of groups is the rank of the relations' derivatives at many random signals, found by other means."""
     generator = np.random.default_rng(7)
     names = sorted({letter for each in groups(record, is_affine=is_affine) for letter in each})
     names += sorted({letter for each in scalings(record, is_affine=is_affine) for letter in each} - set(names))
