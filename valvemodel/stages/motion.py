@@ -23,7 +23,6 @@ from valvemodel.stages.stem import (
     RISING,
     STUCK,
     breakaway_ratio,
-    driving_force,
     highest_position,
     is_linear,
     lowest_position,
@@ -233,7 +232,9 @@ def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True
-            step = slip_end(mass, damping, stiffness, speed, start, coulomb - breakaway, step)
+            # Well inside what holds it, or rounding would let it break away anew.
+            excess = coulomb * (1.0 - breakaway_ratio(p) * (1.0 + 0.5 * HOLD))
+            step = slip_end(mass, damping, stiffness, speed, start, excess, step)
             vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
