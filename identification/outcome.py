@@ -145,6 +145,12 @@ def fit_records(
     """
     _check_effects(effects)
     if all(record.kind == "stem" for record in records):
+        if has_profile or repetitions:
+            raise InputError(
+                "profile and bootstrap are for records with current",
+                f"{records[0].name} has force",
+                "leave them out: a force balance is linear, and its intervals are those of a regression",
+            )
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)

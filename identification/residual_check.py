@@ -19,13 +19,13 @@ INPUT_LAGS = (0, 1, 2, 5, 10, 20, 50)
 """Samples by which the input is delayed in the test against it."""
 
 LEVEL = 0.05
-"""Chance that a sound fit fails one test; the regimes share it."""
+"""Chance that a sound fit fails a test; the regimes share it."""
 
 SIZE_LIMIT = 1.1
 """A residual larger than the noise by this factor holds more than the noise, whose estimate is good to some percent."""
 
-FEWEST_BLOCKS = 5
-"""A regime that occurs in fewer blocks in time is not tested."""
+FEWEST_SAMPLES = 10
+"""A regime with fewer samples is not tested."""
 
 
 @dataclass(frozen=True)
@@ -107,49 +107,46 @@ def _whiteness(signal: str, residuals: Sequence[np.ndarray]) -> Check:
 
 
 def _input_correlation(signal: str, experiments: Sequence[Experiment], residuals: Sequence[np.ndarray]) -> Check:
-    """Score test: what a regression on the current and its delayed changes explains, chi-squared for a sound fit.
-
-    Each block in time is one observation, so that errors that go together do not count twice.
-    """
+    """Score test: samples times the share that a regression on the current and its delayed changes explains."""
     from scipy.stats import chi2
 
-    scores = []
+    inputs, errors = [], []
     for experiment, residual in zip(experiments, residuals, strict=True):
         change = np.diff(experiment.current, prepend=experiment.current[0])
         delayed = [np.concatenate([np.zeros(lag), change[: len(change) - lag]]) for lag in INPUT_LAGS]
-        inputs = np.column_stack([experiment.current - experiment.current.mean(), *delayed])
-        inputs /= np.maximum(inputs.std(axis=0), 1e-12)
-        error = np.where(np.isfinite(residual), residual - np.nanmean(residual), 0.0)
-        sums = np.zeros((int(experiment.block.max()) + 1, inputs.shape[1]))
-        np.add.at(sums, experiment.block, inputs * error[:, None])
-        scores.append(sums)
-    score = np.concatenate(scores)
-    total = score.sum(axis=0)
-    spread = score.T @ score
-    rank = int(np.linalg.matrix_rank(spread, hermitian=True))
-    statistic = float(total @ np.linalg.pinv(spread, hermitian=True) @ total)
-    threshold = float(chi2.ppf(1.0 - LEVEL, max(rank, 1)))
+        known = np.isfinite(residual)
+        regressors = np.column_stack([experiment.current, *delayed])[known]
+        inputs.append(regressors - regressors.mean(axis=0))
+        errors.append(residual[known] - residual[known].mean())
+    error = np.concatenate(errors)
+    explained, _, rank, _ = np.linalg.lstsq(np.concatenate(inputs), error, rcond=1e-8)
+    part = np.concatenate(inputs) @ explained
+    statistic = len(error) * float(part @ part) / max(float(error @ error), 1e-300)
+    threshold = float(chi2.ppf(1.0 - LEVEL, max(int(rank), 1)))
     return Check(f"{signal}: input", "correlation with the current and its changes", statistic, threshold)
 
 
 def _by_regime(
     signal: str, experiments: Sequence[Experiment], residuals: Sequence[np.ndarray], modes: Sequence[np.ndarray]
 ) -> list[Check]:
-    """Student's test of the mean residual in each regime, over its blocks in time; after reversals along the motion."""
-    from scipy.special import stdtrit
+    """Test of the mean residual in each regime over its standard error; after reversals along the motion."""
+    from scipy.special import ndtri
 
-    sums: dict[tuple[str, str], list[np.ndarray]] = {}
+    parts: dict[tuple[str, str], list[np.ndarray]] = {}
     for experiment, residual, mode in zip(experiments, residuals, modes, strict=True):
         for regime, mask in masks_of(experiment, mode).items():
-            inside = mask & np.isfinite(residual)
             signed = residual * mode if regime[0] == "after_reversal" else residual
-            by_block = np.bincount(experiment.block[inside], signed[inside], int(experiment.block.max()) + 1)
-            sums.setdefault(regime, []).append(by_block[np.unique(experiment.block[inside])])
-    tested = {regime: np.concatenate(parts) for regime, parts in sums.items()}
-    tested = {regime: values for regime, values in tested.items() if len(values) >= FEWEST_BLOCKS}
-    checks = []
-    for (name, where), values in tested.items():
-        statistic = abs(float(values.mean())) * np.sqrt(len(values)) / max(float(values.std(ddof=1)), 1e-300)
-        threshold = float(stdtrit(len(values) - 1, 1.0 - 0.5 * LEVEL / len(tested)))
-        checks.append(Check(f"{signal}: {name.replace('_', ' ')}", f"a mean {where}", float(statistic), threshold))
-    return checks
+            parts.setdefault(regime, []).append(signed[mask & np.isfinite(residual)])
+    tested = {regime: np.concatenate(pieces) for regime, pieces in parts.items()}
+    tested = {regime: values for regime, values in tested.items() if len(values) >= FEWEST_SAMPLES}
+    spread = max(float(np.nanstd(np.concatenate(residuals))), 1e-300)
+    threshold = float(ndtri(1.0 - 0.5 * LEVEL / max(len(tested), 1)))
+    return [
+        Check(
+            f"{signal}: {name.replace('_', ' ')}",
+            f"a mean {where}",
+            abs(float(values.mean())) * float(np.sqrt(len(values))) / spread,
+            threshold,
+        )
+        for (name, where), values in tested.items()
+    ]

@@ -92,9 +92,12 @@ class Direction:
         sides: dict[bool, list[str]] = {True: [], False: []}
         for name in self.names:
             sides[amounts[name][0] > 0.0].append(f"{name} by {amounts[name][1]}")
-        combination = f"{' and '.join(sides[True])} growing{' together' if len(sides[True]) > 1 else ''}"
+        if len(self.names) == 1:
+            combination = f"{self.names[0]} growing by {amounts[self.names[0]][1]}"
+        else:
+            combination = f"{' and '.join(sides[True])} growing{' together' if len(sides[True]) > 1 else ''}"
         if sides[False]:
-            combination += f", {' and '.join(sides[False])} shrinking"
+            combination += f" with {' and '.join(sides[False])} shrinking"
         reading = format_quantity(self.reading, "1", digits=2)
         sentence = f"{combination}, would change the reading by {reading} noise standard deviations"
         if not self.is_determined:
