@@ -18,8 +18,8 @@ from valvemodel.simulation import SUBSTEP, TOLERANCE
 SEEN = 1.0
 """A step is wide enough once all readings together change by so many standard deviations of the noise."""
 
-SMALLEST_STEP, WIDEST_STEP = 1e-5, 0.64
-"""Steps in scaled unknowns: from 1e-5 doubled until the noise lets the change be seen."""
+SMALLEST_STEP, WIDEST_STEP = 1e-6, 0.5
+"""Steps in scaled unknowns: from 1e-6 doubled until the noise lets the change be seen."""
 
 NAMED_SHARE = 0.3
 """A parameter that moves by less than this share of the one that moves most is left out of the words."""
@@ -99,7 +99,7 @@ class Direction:
         if sides[False]:
             combination += f" with {' and '.join(sides[False])} shrinking"
         reading = format_quantity(self.reading, "1", digits=2)
-        sentence = f"{combination}, would change the reading by {reading} noise standard deviations"
+        sentence = f"{combination} would change the reading by {reading} noise standard deviations"
         if not self.is_determined:
             return f"{sentence}: not determined"
         largest, part = max(self.parts, key=lambda pair: abs(pair[1]))
