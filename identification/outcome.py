@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from identification.determined.account import Account, account_of, account_of_stem
-from identification.determined.neighbourhood import settled
+from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
 from identification.extension import extend
 from identification.fit import fit_base, fitted_to_all, measured
@@ -163,10 +163,19 @@ def fit_records(
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
+    samples = None
     if has_profile and is_jagged(whole):
-        whole = settled(whole)
+        whole, samples = sampled(whole, progress)
     found = tuple(estimates(whole))
-    account = account_of(whole, found, records[0], has_profile=has_profile, repetitions=repetitions, progress=progress)
+    account = account_of(
+        whole,
+        found,
+        records[0],
+        has_profile=has_profile,
+        samples=samples,
+        repetitions=repetitions,
+        progress=progress,
+    )
     return Outcome(
         records=tuple(record.name for record in records),
         effects=tuple(effects),

@@ -18,7 +18,7 @@ CONFIDENCE = 0.95
 
 AT_A_BOUND = "it ended at a bound of its search"
 HARDLY_SEEN = "the records hardly depend on it"
-MANY_MINIMA = "the error has many minima, and its slope in one says little"
+MANY_MINIMA = "the error has many minima, whose slopes say little: ask for the profile"
 """Why a parameter has no standard deviation."""
 
 AT_BOUND = 1e-3

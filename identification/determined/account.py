@@ -11,13 +11,13 @@ import numpy as np
 from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
 from identification.determined.profile import Ends, profile
-from identification.determined.sensitivity import Direction, directions_of, is_jagged, misfit, sensitivity_of
+from identification.determined.sampling import likely
+from identification.determined.sensitivity import Direction, directions_of, is_jagged, sensitivity_of
 from identification.determined.structure import Structure, structure_of
 from identification.fit import Fit
 from identification.uncertainty import (
-    AT_A_BOUND,
     HARDLY_SEEN,
-    MANY_MINIMA,
+    UNDETERMINED_SHARE,
     Estimate,
     blocks_of,
     covariance,
@@ -27,6 +27,9 @@ from valvemodel.model import Model
 from valvemodel.records import Record
 
 Progress = Callable[[str, float], None]
+
+WIDEST_INTERVAL = 4.0 * UNDETERMINED_SHARE
+"""A 95 % interval wider than this, four standard deviations of half the prior's, determines nothing. [prior]"""
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,8 @@ class Account:
         By parameter the ends of its 95 % interval, None where it is open or nothing may be said. [SI]
     open : dict of str
         By parameter why it is not determined.
+    is_jagged : bool
+        Whether the error of the fit has many minima.
     profile, bootstrap : dict or None
         Intervals, and standard deviation with interval, by those means where they were asked for. [SI]
     """
@@ -57,8 +62,16 @@ class Account:
     directions: tuple[Direction, ...] = ()
     steps: dict[str, float] = field(default_factory=dict)
     is_anchored: bool = False
+    is_jagged: bool = False
     profile: dict[str, Ends] | None = None
     bootstrap: dict[str, tuple[float, float, float]] | None = None
+
+    @property
+    def interval_from(self) -> str:
+        """What the intervals come from: the covariance, the profile or, in a jagged fit, samples of what is likely."""
+        if self.profile is None:
+            return "covariance"
+        return "samples" if self.is_jagged else "profile"
 
     def as_json(self) -> dict[str, Any]:
         """Return the part of fit.json."""
@@ -73,7 +86,7 @@ class Account:
                 name: {
                     "determined": name not in self.open,
                     "interval": None if ends == (None, None) else list(ends),
-                    "interval_from": "profile" if self.profile is not None else "covariance",
+                    "interval_from": self.interval_from,
                     "reason": self.open.get(name),
                     "in_proportion_to": self.structure.measured_by.get(name),
                 }
@@ -92,6 +105,7 @@ def account_of(
     record: Record,
     *,
     has_profile: bool = False,
+    samples: np.ndarray | None = None,
     repetitions: int = 0,
     progress: Progress = lambda what, share: None,
 ) -> Account:
@@ -106,6 +120,8 @@ def account_of(
         One of those that were fitted: its signals count.
     has_profile : bool
         Whether to follow the profile likelihood of each parameter.
+    samples : array, shape (samples, unknowns), optional
+        Of a fit whose error has many minima, in place of the profile.
     repetitions : int
         Of the bootstrap by blocks; 0 leaves it out.
     progress : callable
@@ -120,10 +136,13 @@ def account_of(
         directions=directions,
         steps={each.name: float(step) for each, step in zip(sensitivity.unknowns, sensitivity.steps, strict=True)},
         is_anchored=sensitivity.is_anchored,
+        is_jagged=is_jagged(fit),
     )
     near = neighbourhood_of(fit) if has_profile or repetitions else None
     if has_profile and near is not None:
-        account = _profiled(account, profile(near, limits_of(fit), progress))
+        # Between many minima no refit of the others can be trusted: what is likely was sampled instead.
+        ends = profile(near, limits_of(fit), progress) if samples is None else likely(fit.unknowns, samples)
+        account = _profiled(account, fit, ends)
     if repetitions and near is not None:
         account = replace(account, bootstrap=bootstrap(near, repetitions, progress))
     return account
@@ -154,16 +173,16 @@ def _reason(estimate: Estimate, directions: Sequence[Direction]) -> str:
     return estimate.reason
 
 
-def _profiled(account: Account, ends: dict[str, Ends]) -> Account:
-    """Take the profile's intervals: what is closed on both sides is determined, what is not says on which side."""
+def _profiled(account: Account, fit: Fit, ends: dict[str, Ends]) -> Account:
+    """Take the profile's intervals: one that is open, or as wide as the prior, says nothing of its parameter."""
     reasons = {}
-    for name, (low, high) in ends.items():
-        before = account.open.get(name)
+    for unknown in fit.unknowns:
+        low, high = ends.get(unknown.name, (unknown.centre, unknown.centre))
         if low is None or high is None:
             side = "either way" if low is high else "downwards" if low is None else "upwards"
-            reasons[name] = f"its interval is open {side}"
-        elif before is not None and before not in (MANY_MINIMA, AT_A_BOUND):
-            reasons[name] = before
+            reasons[unknown.name] = f"its interval is open {side}"
+        elif unknown.scaled(high) - unknown.scaled(low) > WIDEST_INTERVAL * unknown.prior_spread:
+            reasons[unknown.name] = account.open.get(unknown.name, HARDLY_SEEN)
     return replace(account, intervals=ends, open=reasons, profile=ends)
 
 
@@ -171,12 +190,10 @@ def limits_of(fit: Fit) -> np.ndarray:
     """Return by how much twice the error may rise within each unknown's interval, shape (unknowns,).
 
     The square of the quantile, widened as much as the block-robust variance is wider than that of white noise of the
-    stated level; in a jagged fit, where the slopes mean little, as much as the residual is larger than the noise.
+    stated level.
     """
     block = blocks_of(fit)
     quantile = interval_quantile(len(np.unique(block[block >= 0])))
-    if is_jagged(fit):
-        return np.full(len(fit.unknowns), (quantile * misfit(fit.problem, fit.found.point)) ** 2)
     jacobian = fit.problem.jacobian(fit.found.point)
     residual = fit.problem.residuals(fit.found.point[None, :])[0]
     robust = np.diag(covariance(jacobian, residual, block))

@@ -22,8 +22,11 @@ REACH = 4.0
 SIZE, GENERATIONS = 3, 25
 """Points of a global search for each unknown, and generations."""
 
-SETTLING_REACHES = (40.0, 20.0, 10.0, 5.0)
+SETTLING_REACHES = (100.0, 40.0, 15.0, 5.0)
 """Reaches of the searches, one after the other, that settle a jagged fit in the best minimum around. [deviations]"""
+
+MOST_ROUNDS, NEGLIGIBLE_GAIN = 4, 0.5
+"""Rounds of such searches, and the gain in half the squared residuals below which the last round ends them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,9 +98,13 @@ def neighbourhood_of(fit: Fit) -> Neighbourhood:
 
 def settled(fit: Fit) -> Fit:
     """Return a fit whose error has many minima in the best minimum that is found around it."""
-    for reach in SETTLING_REACHES:
-        near = neighbourhood_of(fit)
-        found = near.search(fit.problem, near.point, range(len(near.point)), reach=reach)
-        if found.error < fit.found.error:
-            fit = finished(fit.problem, found)
+    for _ in range(MOST_ROUNDS):
+        before = fit.found.error
+        for reach in SETTLING_REACHES:
+            near = neighbourhood_of(fit)
+            found = near.search(fit.problem, near.point, range(len(near.point)), reach=reach)
+            if found.error < fit.found.error:
+                fit = finished(fit.problem, found)
+        if before - fit.found.error < NEGLIGIBLE_GAIN:
+            break
     return fit

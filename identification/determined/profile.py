@@ -32,9 +32,9 @@ def profile(near: Neighbourhood, limits: np.ndarray, progress: Progress = lambda
     """
     found = {}
     own = [number for number, unknown in enumerate(near.problem.unknowns) if unknown.experiment < 0]
-    for number in own:
+    for count, number in enumerate(own):
         unknown = near.problem.unknowns[number]
-        progress(f"profile of {unknown.name}", number / len(own))
+        progress(f"profile of {unknown.name}", count / len(own))
         ends = [_end(near, number, side, float(limits[number])) for side in (-1.0, 1.0)]
         low, high = (None if x is None else float(unknown.value(x)) for x in ends)
         found[unknown.name] = (low, high)

@@ -40,7 +40,8 @@ Examples:
     "--profile",
     "has_profile",
     is_flag=True,
-    help="Take the 95 % intervals from the profile likelihood: each parameter is moved and the others refitted.",
+    help="Take the 95 % intervals from the profile likelihood: each parameter is moved and the others refitted. With "
+    "an effect whose error has many minima, as static friction, from samples of what is likely.",
 )
 @click.option(
     "--bootstrap",

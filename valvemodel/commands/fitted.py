@@ -56,7 +56,7 @@ def _parameters(outcome: Outcome) -> Table:
     from valvemodel.quantities import format_quantity
 
     account = outcome.determined
-    means = [f"95 % interval{' (profile)' if account.profile is not None else ''}"]
+    means = ["95 % interval" if account.profile is None else f"95 % ({account.interval_from})"]
     means += ["95 % (bootstrap)"] if account.bootstrap is not None else []
     table = _table(("parameter",), ("value", "std", *means), "determined")
     for each in outcome.parameters:
