@@ -124,7 +124,15 @@ def _task(work: tuple[int, tuple[str, ...]]) -> Trial:
 
 @click.command()
 @click.option("--repetitions", default=300, show_default=True)
-@click.option("--case", "cases", multiple=True, type=click.Choice(list(CASES)), help="Only this; by default all.")
+@click.option(
+    "--case",
+    "cases",
+    multiple=True,
+    type=click.Choice(list(CASES)),
+    help="May be given several times.",
+    default=("base", "two effects"),
+    show_default=True,
+)
 @click.option("--seed", default=0, show_default=True, help="Of the first plant.")
 @click.option("--jobs", default=2, show_default=True)
 @click.option("--json", "path", type=click.Path(path_type=Path), help="Write the shares here.")
@@ -134,7 +142,7 @@ def main(repetitions: int, cases: tuple[str, ...], seed: int, jobs: int, path: P
 
     shares = {}
     with ProcessPoolExecutor(jobs, mp_context=get_context("fork")) as pool:
-        for case in cases or CASES:
+        for case in cases:
             work = [(seed + number, CASES[case]) for number in range(repetitions)]
             with click.progressbar(pool.map(_task, work), length=repetitions, label=case, file=sys.stderr) as bar:
                 shares[case] = _report(case, list(bar))
