@@ -8,11 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from identification.determined.account import Account, account_of, account_of_stem
+from identification.determined.sampling import sampled
+from identification.determined.sensitivity import is_jagged
 from identification.extension import extend
 from identification.fit import fit_base, fitted_to_all, measured
 from identification.holdout import EVERY, hold_out
+from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
-from identification.uncertainty import Estimate, estimates, rms_of
+from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estimates, rms_of
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
@@ -49,6 +53,10 @@ class Outcome:
         Fitted reading at the start of each record. [m]
     open : dict of str
         By parameter why the records do not determine it.
+    determined : Account
+        What the records determine, before and after the fit.
+    checks : tuple of Check
+        Of the residuals; none for a force balance.
     """
 
     records: tuple[str, ...]
@@ -64,6 +72,8 @@ class Outcome:
     open: dict[str, str]
     warnings: tuple[str, ...]
     seconds: float
+    determined: Account
+    checks: tuple[Check, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -83,6 +93,8 @@ class Outcome:
             "noise": {"value": self.noise, "unit": self.unit},
             "effects": list(self.effects),
             "not_determined": self.open,
+            "determined": self.determined.as_json(),
+            "residual_check": [each.as_json() for each in self.checks],
             "start_positions": {name: {"value": start, "unit": "m"} for name, start in self.starts.items()},
             "records": list(self.records),
             "warnings": list(self.warnings),
@@ -104,6 +116,8 @@ def fit_records(
     model: Model,
     *,
     effects: Sequence[str] = (),
+    has_profile: bool = False,
+    repetitions: int = 0,
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -117,6 +131,10 @@ def fit_records(
         The valve as given: where the search begins, and what gives the numbers that are not fitted.
     effects : sequence of str
         Keys of effects to switch on and fit, in this order.
+    has_profile : bool
+        Whether to follow the profile likelihood of each parameter to the ends of its interval.
+    repetitions : int
+        Of a bootstrap by blocks in time; 0 leaves it out.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
@@ -127,6 +145,12 @@ def fit_records(
     """
     _check_effects(effects)
     if all(record.kind == "stem" for record in records):
+        if has_profile or repetitions:
+            raise InputError(
+                "profile and bootstrap are for records with current",
+                f"{records[0].name} has force",
+                "leave them out: a force balance is linear, and its intervals are those of a regression",
+            )
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
@@ -139,7 +163,19 @@ def fit_records(
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
+    samples = None
+    if has_profile and is_jagged(whole):
+        whole, samples = sampled(whole, progress)
     found = tuple(estimates(whole))
+    account = account_of(
+        whole,
+        found,
+        records[0],
+        has_profile=has_profile,
+        samples=samples,
+        repetitions=repetitions,
+        progress=progress,
+    )
     return Outcome(
         records=tuple(record.name for record in records),
         effects=tuple(effects),
@@ -151,9 +187,11 @@ def fit_records(
         unseen=holdout.scored_on,
         noise=holdout.noise,
         starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
-        open=_open(found),
+        open=account.open,
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
+        determined=account,
+        checks=residual_check(whole),
     )
 
 
@@ -162,11 +200,6 @@ def _check_effects(effects: Sequence[str]) -> None:
         effect_of_key(key)
         if key in effects[:number]:
             raise InputError("an effect is fitted once", f"{key} came twice", "name it once")
-
-
-def _open(found: Sequence[Estimate]) -> dict[str, str]:
-    reasons = {True: "it ended at a bound of its search", False: "the records hardly depend on it"}
-    return {each.name: reasons[each.is_at_bound] for each in found if each.std is None}
 
 
 def _fitted_name(model: Model, records: Sequence[Record]) -> str:
@@ -197,6 +230,7 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         Estimate(name, each.value, each.unit, each.std, _is_at_bound(name, each.value, effects))
         for name, each in whole.parameters.items()
     )
+    reasons = {each.name: AT_A_BOUND if each.is_at_bound else HARDLY_SEEN for each in found if each.std is None}
     others = [each.name for each in BASE_PARAMETERS if each.name not in {*whole.values, *_STEM_ALONE}]
     notes = [f"force and position alone say nothing of {', '.join(others)}: the model has those of {model.name}"]
     if not has_spring:
@@ -217,9 +251,10 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         unseen="held-out blocks",
         noise=None,
         starts={},
-        open=_open(found),
+        open=reasons,
         warnings=(*record.warnings, *notes),
         seconds=time.perf_counter() - began,
+        determined=account_of_stem(record, model, found, reasons),
     )
 
 
