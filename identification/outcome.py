@@ -6,28 +6,34 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
+from identification.experiment import Experiment
 from identification.extension import extend
-from identification.fit import fit_base, fitted_to_all, measured
-from identification.holdout import EVERY, hold_out
+from identification.fit import Fit, fit_base, fitted_to_all, measured
+from identification.holdout import EVERY, Holdout, hold_out
 from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
 from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estimates, rms_of
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
-from valvemodel.errors import InputError
+from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
+
+if TYPE_CHECKING:
+    from identification.smooth_fit import Smoothing
 
 SCHEMA = "valvemodel.fit/1"
 
 _STEM_ALONE = ("spring_rate", "spring_preload", "travel_min", "travel_max", "rated_travel")
 """Base parameters that a force balance settles or does not need, fitted or not."""
+
+ROUTES = ("exact", "smooth")
 
 Progress = Callable[[str, float], None]
 
@@ -57,6 +63,10 @@ class Outcome:
         What the records determine, before and after the fit.
     checks : tuple of Check
         Of the residuals; none for a force balance.
+    route : str
+        How it was searched: "exact" or "smooth".
+    smoothing : tuple of Smoothing
+        What smoothing did to the fit, by width; empty on the exact route.
     """
 
     records: tuple[str, ...]
@@ -74,6 +84,8 @@ class Outcome:
     seconds: float
     determined: Account
     checks: tuple[Check, ...] = ()
+    route: str = "exact"
+    smoothing: tuple[Smoothing, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -99,6 +111,8 @@ class Outcome:
             "records": list(self.records),
             "warnings": list(self.warnings),
             "seconds": self.seconds,
+            "route": self.route,
+            "smoothing": [each.as_json() for each in self.smoothing],
         }
 
     def write(self, folder: Path) -> dict[str, Path]:
@@ -118,6 +132,7 @@ def fit_records(
     effects: Sequence[str] = (),
     has_profile: bool = False,
     repetitions: int = 0,
+    route: str = "exact",
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -135,15 +150,20 @@ def fit_records(
         Whether to follow the profile likelihood of each parameter to the ends of its interval.
     repetitions : int
         Of a bootstrap by blocks in time; 0 leaves it out.
+    route : str
+        "exact": on the exact simulator; "smooth": on smooth functions with exact derivatives, then once more on the
+        exact simulator, which says what smoothing did. Records of the stem alone have one route of their own.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
     Raises
     ------
     InputError
-        If an effect is unknown or given twice, or the records do not carry such a fit.
+        If an effect or a route is unknown or an effect given twice, or the records do not carry such a fit.
     """
     _check_effects(effects)
+    if route not in ROUTES:
+        raise unknown_name("a route of a fit", route, ROUTES)
     if all(record.kind == "stem" for record in records):
         if has_profile or repetitions:
             raise InputError(
@@ -155,14 +175,12 @@ def fit_records(
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
-    progress("base valve", 0.0)
-    fit = fit_base(model, holdout.experiments, holdout.fitted)
-    for number, key in enumerate(effects, 1):
-        progress(key, number / (len(effects) + 2))
-        fit = extend(fit, key)
-    progress("all data", 1.0 - 1.0 / (len(effects) + 2))
-    rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
-    whole = fitted_to_all(fit, experiments)
+    smoothing: tuple[Smoothing, ...] = ()
+    if route == "smooth":
+        part, whole, smoothing = _fit_smoothly(holdout, experiments, model, effects, progress)
+    else:
+        part, whole = _fit_exactly(holdout, experiments, model, effects, progress)
+    rms_unseen = rms_of(part, holdout.scored_experiments, holdout.scored)
     samples = None
     if has_profile and is_jagged(whole):
         whole, samples = sampled(whole, progress)
@@ -192,7 +210,42 @@ def fit_records(
         seconds=time.perf_counter() - began,
         determined=account,
         checks=residual_check(whole),
+        route=route,
+        smoothing=smoothing,
     )
+
+
+def _fit_exactly(
+    holdout: Holdout, experiments: Sequence[Experiment], model: Model, effects: Sequence[str], progress: Progress
+) -> tuple[Fit, Fit]:
+    """Return a fit to what is not kept back, and one to all."""
+    progress("base valve", 0.0)
+    fit = fit_base(model, holdout.experiments, holdout.fitted)
+    for number, key in enumerate(effects, 1):
+        progress(key, number / (len(effects) + 2))
+        fit = extend(fit, key)
+    progress("all data", 1.0 - 1.0 / (len(effects) + 2))
+    return fit, fitted_to_all(fit, experiments)
+
+
+def _fit_smoothly(
+    holdout: Holdout, experiments: Sequence[Experiment], model: Model, effects: Sequence[str], progress: Progress
+) -> tuple[Fit, Fit, tuple[Smoothing, ...]]:
+    """Return the same by the smooth route, and what smoothing did to the fit to all."""
+    from identification.smooth_fit import fit_smooth
+
+    part = fit_smooth(
+        holdout.experiments, model, effects=effects, used=holdout.fitted,
+        progress=lambda what, share: progress(what, 0.5 * share),
+    )  # fmt: skip
+    base = Model(model.name, part.fit.model.values, model.effects)
+    whole = fit_smooth(
+        experiments,
+        base,
+        effects=effects,
+        progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share),
+    )
+    return part.fit, whole.fit, whole.smoothing
 
 
 def _check_effects(effects: Sequence[str]) -> None:

@@ -30,6 +30,14 @@ Examples:
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
+    "--route",
+    type=click.Choice(["exact", "smooth"]),
+    default="exact",
+    show_default=True,
+    help="Search on the exact simulator; or on smooth functions with exact derivatives and then on the exact one, "
+    "which shows what smoothing did.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="DIR",
@@ -55,6 +63,7 @@ def fit(
     paths: tuple[Path, ...],
     valve: str | None,
     effects: tuple[str, ...],
+    route: str,
     out: Path,
     has_profile: bool,
     repetitions: int,
@@ -78,7 +87,13 @@ def fit(
     with progress_shown() as progress:
         records = measured_records(paths, model, rated_travel)
         outcome = fit_records(
-            records, model, effects=effects, has_profile=has_profile, repetitions=repetitions, progress=progress
+            records,
+            model,
+            effects=effects,
+            route=route,
+            has_profile=has_profile,
+            repetitions=repetitions,
+            progress=progress,
         )
     places = write_together(out, outcome.write)
     warn(outcome.warnings)

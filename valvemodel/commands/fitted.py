@@ -30,6 +30,8 @@ def print_outcome(outcome: Outcome) -> None:
     _print_determined(console, outcome.determined)
     if outcome.checks:
         console.print(_checks(outcome))
+    if outcome.smoothing:
+        console.print(_smoothing(outcome))
     fitted = format_quantity(outcome.rms_fitted, outcome.unit, digits=3)
     if outcome.rms_unseen is None:
         unseen = "too short to keep anything back"
@@ -103,4 +105,21 @@ def _checks(outcome: Outcome) -> Table:
     for check in outcome.checks:
         verdict = "passed" if check.is_passed else f"failed: {check.looks_for}"
         table.add_row(check.name, f"{check.statistic:.3g}", f"{check.threshold:.3g}", verdict)
+    return table
+
+
+def _smoothing(outcome: Outcome) -> Table:
+    from valvemodel.quantities import format_quantity
+
+    exact = {each.name: each.value for each in outcome.parameters}
+    table = _table(("smoothing",), ("objective", "off the exact run (rms, max)"), "parameters off the exact refit")
+    for each in outcome.smoothing:
+        shares = {name: shift / exact[name] for name, shift in each.shifts.items() if exact[name] != 0.0}
+        farthest = max(shares, key=lambda name: abs(shares[name]))
+        table.add_row(
+            format_quantity(each.width, "N", digits=3),
+            f"{each.error:.5g}",
+            f"{format_quantity(each.rms, 'm', digits=2)}, {format_quantity(each.largest, 'm', digits=2)}",
+            f"at most {100.0 * shares[farthest]:+.2g} %, {farthest}",
+        )
     return table
