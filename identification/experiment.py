@@ -159,3 +159,22 @@ def simulate_rows(
         substep, tolerance, position, pressure, mode,
     )  # fmt: skip
     return Simulated(position, pressure, mode)
+
+
+def score_rows(
+    experiment: Experiment,
+    used: np.ndarray,
+    rows: np.ndarray,
+    substep: float,
+    tolerance: float,
+    anchors: np.ndarray = runs.FREE,
+) -> np.ndarray:
+    """Return what each row of numbers misses of the positions that count, squared and summed, shape (rows,). [m^2]"""
+    measured = np.where(used, experiment.position, np.nan)
+    sums = np.empty(len(rows))
+    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
+    runs.score_rows(
+        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, anchors,
+        chain.CURRENT, substep, tolerance, np.empty((1, len(measured))), sums,
+    )  # fmt: skip
+    return sums

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.search import Found, descend, errors, roam
+from identification.search import Found, descend, roam
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -34,6 +35,7 @@ class Trial:
     gain: float
 
 
+@threadpool_limits.wrap(limits=1)
 def extend(fit: Fit, key: str) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
@@ -100,10 +102,10 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:
-        return float(np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
+        return float(np.prod([each.errors(point[None, :])[0] for each in yardsticks]))
 
     point = min(found, key=misfit)
-    return problem, Found(point, float(errors(problem, point[None, :])[0]))
+    return problem, Found(point, float(problem.errors(point[None, :])[0]))
 
 
 def screened(fit: Fit, effect: Effect) -> list[Trial]:

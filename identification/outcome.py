@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from identification.extension import extend
-from identification.fit import fit_base, fitted_to_all, measured
+from identification.exact_fit import fit_exact
+from identification.fit import fitted_to_all, measured
 from identification.holdout import EVERY, hold_out
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates, rms_of
@@ -131,11 +131,7 @@ def fit_records(
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
-    progress("base valve", 0.0)
-    fit = fit_base(model, holdout.experiments, holdout.fitted)
-    for number, key in enumerate(effects, 1):
-        progress(key, number / (len(effects) + 2))
-        fit = extend(fit, key)
+    fit = fit_exact(model, holdout.experiments, holdout.fitted, effects=effects, progress=progress)
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
