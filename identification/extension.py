@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.search import Found, descend, roam
+from identification.search import Found, descend, errors, roam
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -102,10 +102,10 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:
-        return float(np.prod([each.errors(point[None, :])[0] for each in yardsticks]))
+        return float(np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
 
     point = min(found, key=misfit)
-    return problem, Found(point, float(problem.errors(point[None, :])[0]))
+    return problem, Found(point, float(errors(problem, point[None, :])[0]))
 
 
 def screened(fit: Fit, effect: Effect) -> list[Trial]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from identification.experiment import Experiment, Simulated, score_rows, simulate_rows
+from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.unknowns import Unknown
 from valvemodel import runs
 from valvemodel.model import Model
@@ -75,22 +75,9 @@ class Problem:
             parts.append((experiment.position[used] - simulated.position[:, used]) / experiment.noise)
             if experiment.pressure is not None:
                 parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
-        parts.append(points / self._prior_spreads)
+        parts.append(points / self.prior_spreads)
         residuals = np.concatenate(parts, axis=1)
         return np.where(np.isfinite(residuals), residuals, LOST)
-
-    def errors(self, points: np.ndarray) -> np.ndarray:
-        """Return half the sum of squared residuals at scaled points, shape (p,), where it can without the residuals."""
-        if any(experiment.pressure is not None for experiment in self.experiments):
-            residuals = self.residuals(points)
-            return 0.5 * np.einsum("pr,pr->p", residuals, residuals)
-        sums = ((points / self._prior_spreads) ** 2).sum(axis=1)
-        for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
-            rows = self.rows(points, number)
-            anchors = experiment.anchors if self.is_anchored else runs.FREE
-            missed = score_rows(experiment, used, rows, SEARCH_SUBSTEP, SEARCH_TOLERANCE, anchors)
-            sums += missed / experiment.noise**2
-        return 0.5 * np.where(np.isfinite(sums), sums, self.noise_error * LOST)
 
     def simulated(self, points: np.ndarray, number: int) -> Simulated:
         """Run scaled points, shape (p, unknowns), over the experiment of that number."""
@@ -105,7 +92,8 @@ class Problem:
         )
 
     @property
-    def _prior_spreads(self) -> np.ndarray:
+    def prior_spreads(self) -> np.ndarray:
+        """Standard deviations of the weak priors, scaled."""
         return np.array([unknown.prior_spread for unknown in self.unknowns])
 
     @property

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identification.problem import Problem
+from identification.experiment import score_rows
+from identification.problem import LOST, SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
+from valvemodel import runs
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -43,6 +45,25 @@ def descend(problem: Problem, start: np.ndarray, *, evaluations: int = 25, preci
         x_scale="jac",
     )
     return Found(result.x, float(result.cost))
+
+
+def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
+    """Return half the sum of squared residuals at each scaled point, shape (p,); none are kept where it can do without.
+
+    Parameters
+    ----------
+    problem : Problem
+    points : array, shape (p, unknowns)
+    """
+    if any(experiment.pressure is not None for experiment in problem.experiments):
+        residuals = problem.residuals(points)
+        return 0.5 * np.einsum("pr,pr->p", residuals, residuals)
+    sums = ((points / problem.prior_spreads) ** 2).sum(axis=1)
+    for number, (experiment, used) in enumerate(zip(problem.experiments, problem.used, strict=True)):
+        anchors = experiment.anchors if problem.is_anchored else runs.FREE
+        rows = problem.rows(points, number)
+        sums += score_rows(experiment, used, rows, SEARCH_SUBSTEP, SEARCH_TOLERANCE, anchors) / experiment.noise**2
+    return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 
 
 def roam(
@@ -86,7 +107,7 @@ def roam(
             raise StopIteration
 
     result = differential_evolution(
-        lambda u: problem.errors(points_of(u)),
+        lambda u: errors(problem, points_of(u)),
         box,
         popsize=size,
         maxiter=generations,
@@ -116,7 +137,7 @@ def settle(problem: Problem, found: Found) -> Found:
         return np.clip(found.point + shape @ u, low, high)
 
     result = minimize(
-        lambda u: float(problem.errors(point_of(u)[None, :])[0]),
+        lambda u: float(errors(problem, point_of(u)[None, :])[0]),
         np.zeros(count),
         method="Nelder-Mead",
         options={

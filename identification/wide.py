@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.problem import Problem
-from identification.search import Found, descend, roam, settle
+from identification.search import Found, descend, errors, roam, settle
 
 Box = Sequence[tuple[float, float]]
 
@@ -68,7 +68,7 @@ def screened_and_followed(problem: Problem, bounds: np.ndarray) -> Found:
     from scipy.stats import qmc
 
     points = qmc.scale(qmc.Sobol(bounds.shape[1], rng=np.random.default_rng(0)).random(SCREENED), *bounds)
-    best = np.argsort(problem.errors(points))[:FOLLOWED]
+    best = np.argsort(errors(problem, points))[:FOLLOWED]
     starts = [bounds.mean(axis=0), *points[best]]
     followed = [descend(problem, start, evaluations=8, precision=1e-3) for start in starts]
     return min(followed, key=lambda each: each.error)
