@@ -14,6 +14,7 @@ from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
 from identification.wide import search_wide
 from valvemodel import runs
+from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
@@ -63,6 +64,7 @@ def simulate_model(
         tolerance=SEARCH_TOLERANCE,
         anchors=experiment.anchors if is_anchored else runs.FREE,
         with_pressure=True,
+        in_closed_form=settles_in_closed_form(model),
     )
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.unknowns import Unknown
 from valvemodel import runs
+from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 SEARCH_SUBSTEP = 0.01
@@ -89,7 +91,13 @@ class Problem:
             tolerance=SEARCH_TOLERANCE,
             anchors=experiment.anchors if self.is_anchored else runs.FREE,
             with_pressure=experiment.pressure is not None,
+            in_closed_form=self.settles,
         )
+
+    @cached_property
+    def settles(self) -> bool:
+        """Whether a step of a settled loop of the model has a closed form."""
+        return settles_in_closed_form(self.model)
 
     @property
     def prior_spreads(self) -> np.ndarray:

@@ -62,7 +62,16 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
     for number, (experiment, used) in enumerate(zip(problem.experiments, problem.used, strict=True)):
         anchors = experiment.anchors if problem.is_anchored else runs.FREE
         rows = problem.rows(points, number)
-        sums += score_rows(experiment, used, rows, SEARCH_SUBSTEP, SEARCH_TOLERANCE, anchors) / experiment.noise**2
+        missed = score_rows(
+            experiment,
+            used,
+            rows,
+            substep=SEARCH_SUBSTEP,
+            tolerance=SEARCH_TOLERANCE,
+            anchors=anchors,
+            in_closed_form=problem.settles,
+        )
+        sums += missed / experiment.noise**2
     return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 
 
