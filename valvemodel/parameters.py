@@ -20,6 +20,8 @@ _COMPILED = (
     _HERE / "runs.py",
     _HERE / "stepping.py",
     _HERE / "equations" / "numeric.py",
+    *sorted((_HERE / "control" / "laws").glob("*.py")),
+    _HERE / "linear" / "rates.py",
 )
 
 
