@@ -11,12 +11,14 @@ from typing import Any
 from identification.exact_fit import fit_exact
 from identification.fit import fitted_to_all, measured
 from identification.holdout import EVERY, hold_out
+from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates, rms_of
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
 from valvemodel.files import write_json
+from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
 from valvemodel.records import Record
 
@@ -49,6 +51,8 @@ class Outcome:
         Fitted reading at the start of each record. [m]
     open : dict of str
         By parameter why the records do not determine it.
+    loop : FittedShape or None
+        Width, slope and height, where the records are settled loops.
     """
 
     records: tuple[str, ...]
@@ -64,6 +68,7 @@ class Outcome:
     open: dict[str, str]
     warnings: tuple[str, ...]
     seconds: float
+    loop: FittedShape | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -84,6 +89,7 @@ class Outcome:
             "effects": list(self.effects),
             "not_determined": self.open,
             "start_positions": {name: {"value": start, "unit": "m"} for name, start in self.starts.items()},
+            **({} if self.loop is None else {"loop": self.loop.as_json()}),
             "records": list(self.records),
             "warnings": list(self.warnings),
             "seconds": self.seconds,
@@ -104,6 +110,7 @@ def fit_records(
     model: Model,
     *,
     effects: Sequence[str] = (),
+    is_ramped: bool = False,
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -117,6 +124,8 @@ def fit_records(
         The valve as given: where the search begins, and what gives the numbers that are not fitted.
     effects : sequence of str
         Keys of effects to switch on and fit, in this order.
+    is_ramped : bool
+        Whether the current of settled loops ramps slowly from value to value, instead of stepping.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
@@ -129,13 +138,17 @@ def fit_records(
     if all(record.kind == "stem" for record in records):
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
-    experiments, notes = experiments_of(records)
+    experiments, notes = experiments_of(records, is_ramped=is_ramped)
+    _check_ramped(records, model, effects, is_ramped=is_ramped)
     holdout = hold_out(experiments)
     fit = fit_exact(model, holdout.experiments, holdout.fitted, effects=effects, progress=progress)
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
     found = tuple(estimates(whole))
+    loop = shape_of_fit(whole)
+    if loop is not None:
+        notes.append(SAYS_NOTHING_OF_TIME)
     return Outcome(
         records=tuple(record.name for record in records),
         effects=tuple(effects),
@@ -150,7 +163,25 @@ def fit_records(
         open=_open(found),
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
+        loop=loop,
     )
+
+
+def _check_ramped(records: Sequence[Record], model: Model, effects: Sequence[str], *, is_ramped: bool) -> None:
+    if not is_ramped:
+        return
+    if records[0].kind != "loop":
+        raise InputError(
+            "only a settled loop is stepped or ramped",
+            f"{records[0].name} has a time column",
+            "leave --loop out: the record shows how its current went",
+        )
+    if not {*model.effects, *effects} <= SETTLING_EFFECTS:
+        raise InputError(
+            f"a ramped loop is fitted with no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
+            f"got {', '.join(effects)}",
+            "fit it as stepped, or leave the others out",
+        )
 
 
 def _check_effects(effects: Sequence[str]) -> None:

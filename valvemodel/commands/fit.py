@@ -13,6 +13,7 @@ from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
 
 if TYPE_CHECKING:
+    from identification.loop_shape import FittedShape
     from identification.outcome import Outcome
 
 _PIPED_WIDTH = 100
@@ -34,13 +35,20 @@ Examples:
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
+    "--loop",
+    type=click.Choice(["stepped", "ramped"]),
+    default="stepped",
+    show_default=True,
+    help="How the current of a settled loop went from value to value.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Folder for fit.json and model.json.",
 )
-def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], out: Path) -> None:
+def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], loop: str, out: Path) -> None:
     """Fit the free parameters of a valve to records of it.
 
     Free are spring rate, friction, mass, the two numbers of the gap and where each record starts; of a record
@@ -56,7 +64,7 @@ def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], ou
         effect_of_key(key)
     with progress_shown() as progress:
         records = measured_records(paths, model, rated_travel)
-        outcome = fit_records(records, model, effects=effects, progress=progress)
+        outcome = fit_records(records, model, effects=effects, is_ramped=loop == "ramped", progress=progress)
     places = write_together(out, outcome.write)
     warn(outcome.warnings)
     _print(outcome)
@@ -92,6 +100,19 @@ def _print(outcome: Outcome) -> None:
     else:
         unseen = f"{format_quantity(outcome.rms_unseen, outcome.unit, digits=3)} on {outcome.unseen}"
     click.echo(f"error (rms)  fitted {fitted}, unseen {unseen}")
+    if outcome.loop is not None:
+        _print_loop(outcome.loop)
     if outcome.noise is not None:
         noise = format_quantity(outcome.noise, outcome.unit, digits=3)
         click.echo(f"noise (rms)  {noise}, from the readings themselves")
+
+
+def _print_loop(loop: FittedShape) -> None:
+    """Print width, slope and height of a loop: in mA, mm/mA and mm."""
+    shape, std = loop.shape, loop.std
+    click.echo(
+        f"loop         {'ramped' if loop.is_ramped else 'stepped'}; at {1e3 * shape.position:.4g} mm: "
+        f"width {1e3 * shape.width:.4g} mA (std {1e3 * std['width']:.2g}), "
+        f"slope {shape.slope:.4g} mm/mA (std {std['slope']:.2g}), "
+        f"height {1e3 * shape.height:.4g} mm (std {1e3 * std['height']:.2g})"
+    )
