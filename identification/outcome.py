@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
+from identification.exact_fit import fit_exact
 from identification.experiment import Experiment
-from identification.extension import extend
-from identification.fit import Fit, fit_base, fitted_to_all, measured
+from identification.fit import Fit, fitted_to_all, measured
 from identification.holdout import EVERY, Holdout, hold_out
+from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
 from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
 from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estimates, rms_of
@@ -22,6 +23,7 @@ from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
+from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
 from valvemodel.records import Record
 
@@ -67,6 +69,8 @@ class Outcome:
         How it was searched: "exact" or "smooth".
     smoothing : tuple of Smoothing
         What smoothing did to the fit, by width; empty on the exact route.
+    loop : FittedShape or None
+        Width, slope and height, where the records are settled loops.
     """
 
     records: tuple[str, ...]
@@ -86,6 +90,7 @@ class Outcome:
     checks: tuple[Check, ...] = ()
     route: str = "exact"
     smoothing: tuple[Smoothing, ...] = ()
+    loop: FittedShape | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -108,6 +113,7 @@ class Outcome:
             "determined": self.determined.as_json(),
             "residual_check": [each.as_json() for each in self.checks],
             "start_positions": {name: {"value": start, "unit": "m"} for name, start in self.starts.items()},
+            **({} if self.loop is None else {"loop": self.loop.as_json()}),
             "records": list(self.records),
             "warnings": list(self.warnings),
             "seconds": self.seconds,
@@ -133,6 +139,7 @@ def fit_records(
     has_profile: bool = False,
     repetitions: int = 0,
     route: str = "exact",
+    is_ramped: bool = False,
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -153,6 +160,8 @@ def fit_records(
     route : str
         "exact": on the exact simulator; "smooth": on smooth functions with exact derivatives, then once more on the
         exact simulator, which says what smoothing did. Records of the stem alone have one route of their own.
+    is_ramped : bool
+        Whether the current of settled loops ramps slowly from value to value, instead of stepping.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
@@ -173,7 +182,8 @@ def fit_records(
             )
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
-    experiments, notes = experiments_of(records)
+    experiments, notes = experiments_of(records, is_ramped=is_ramped)
+    _check_ramped(records, model, effects, is_ramped=is_ramped)
     holdout = hold_out(experiments)
     smoothing: tuple[Smoothing, ...] = ()
     if route == "smooth":
@@ -185,6 +195,9 @@ def fit_records(
     if has_profile and is_jagged(whole):
         whole, samples = sampled(whole, progress)
     found = tuple(estimates(whole))
+    loop = shape_of_fit(whole)
+    if loop is not None:
+        notes.append(SAYS_NOTHING_OF_TIME)
     account = account_of(
         whole,
         found,
@@ -212,6 +225,7 @@ def fit_records(
         checks=residual_check(whole),
         route=route,
         smoothing=smoothing,
+        loop=loop,
     )
 
 
@@ -219,11 +233,7 @@ def _fit_exactly(
     holdout: Holdout, experiments: Sequence[Experiment], model: Model, effects: Sequence[str], progress: Progress
 ) -> tuple[Fit, Fit]:
     """Return a fit to what is not kept back, and one to all."""
-    progress("base valve", 0.0)
-    fit = fit_base(model, holdout.experiments, holdout.fitted)
-    for number, key in enumerate(effects, 1):
-        progress(key, number / (len(effects) + 2))
-        fit = extend(fit, key)
+    fit = fit_exact(model, holdout.experiments, holdout.fitted, effects=effects, progress=progress)
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     return fit, fitted_to_all(fit, experiments)
 
@@ -246,6 +256,23 @@ def _fit_smoothly(
         progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share),
     )
     return part.fit, whole.fit, whole.smoothing
+
+
+def _check_ramped(records: Sequence[Record], model: Model, effects: Sequence[str], *, is_ramped: bool) -> None:
+    if not is_ramped:
+        return
+    if records[0].kind != "loop":
+        raise InputError(
+            "only a settled loop is stepped or ramped",
+            f"{records[0].name} has a time column",
+            "leave --loop out: the record shows how its current went",
+        )
+    if not {*model.effects, *effects} <= SETTLING_EFFECTS:
+        raise InputError(
+            f"a ramped loop is fitted with no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
+            f"got {', '.join(effects)}",
+            "fit it as stepped, or leave the others out",
+        )
 
 
 def _check_effects(effects: Sequence[str]) -> None:

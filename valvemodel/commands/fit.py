@@ -38,6 +38,13 @@ Examples:
     "which shows what smoothing did.",
 )
 @click.option(
+    "--loop",
+    type=click.Choice(["stepped", "ramped"]),
+    default="stepped",
+    show_default=True,
+    help="How the current of a settled loop went from value to value.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="DIR",
@@ -64,6 +71,7 @@ def fit(
     valve: str | None,
     effects: tuple[str, ...],
     route: str,
+    loop: str,
     out: Path,
     has_profile: bool,
     repetitions: int,
@@ -91,6 +99,7 @@ def fit(
             model,
             effects=effects,
             route=route,
+            is_ramped=loop == "ramped",
             has_profile=has_profile,
             repetitions=repetitions,
             progress=progress,

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     from identification.determined.account import Account
     from identification.determined.profile import Ends
+    from identification.loop_shape import FittedShape
     from identification.outcome import Outcome
 
 _PIPED_WIDTH = 120
@@ -38,6 +39,8 @@ def print_outcome(outcome: Outcome) -> None:
     else:
         unseen = f"{format_quantity(outcome.rms_unseen, outcome.unit, digits=3)} on {outcome.unseen}"
     click.echo(f"error (rms)  fitted {fitted}, unseen {unseen}")
+    if outcome.loop is not None:
+        _print_loop(outcome.loop)
     if outcome.noise is not None:
         noise = format_quantity(outcome.noise, outcome.unit, digits=3)
         click.echo(f"noise (rms)  {noise}, from the readings themselves")
@@ -123,3 +126,14 @@ def _smoothing(outcome: Outcome) -> Table:
             f"at most {100.0 * shares[farthest]:+.2g} %, {farthest}",
         )
     return table
+
+
+def _print_loop(loop: FittedShape) -> None:
+    """Print width, slope and height of a loop: in mA, mm/mA and mm."""
+    shape, std = loop.shape, loop.std
+    click.echo(
+        f"loop         {'ramped' if loop.is_ramped else 'stepped'}; at {1e3 * shape.position:.4g} mm: "
+        f"width {1e3 * shape.width:.4g} mA (std {1e3 * std['width']:.2g}), "
+        f"slope {shape.slope:.4g} mm/mA (std {std['slope']:.2g}), "
+        f"height {1e3 * shape.height:.4g} mm (std {1e3 * std['height']:.2g})"
+    )
