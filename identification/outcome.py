@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from identification.adequacy import undetermined_by
 from identification.exact_fit import fit_exact
 from identification.fit import fitted_to_all, measured
 from identification.holdout import EVERY, hold_out
@@ -145,7 +146,8 @@ def fit_records(
     progress("all data", 1.0 - 1.0 / (len(effects) + 2))
     rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
     whole = fitted_to_all(fit, experiments)
-    found = tuple(estimates(whole))
+    lacking = undetermined_by(experiments)
+    found = tuple(replace(each, std=None) if each.name in lacking else each for each in estimates(whole))
     loop = shape_of_fit(whole)
     if loop is not None:
         notes.append(SAYS_NOTHING_OF_TIME)
@@ -160,7 +162,7 @@ def fit_records(
         unseen=holdout.scored_on,
         noise=holdout.noise,
         starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
-        open=_open(found),
+        open={**_open(found), **lacking},
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
         loop=loop,
