@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -37,7 +39,7 @@ def ramped(model: Model, current: np.ndarray, duration: float) -> np.ndarray:
     """The exact simulator under ramps of so many seconds, each followed by a hold; read at the end of the holds."""
     time, drive, ends = [0.0], [current[0]], []
     clock = HOLD
-    for before, after in zip(current[:-1], current[1:], strict=True):
+    for before, after in pairwise(current):
         count = round(duration / RAMP_STEP)
         steps = np.arange(count) / count
         time += list(clock + duration * steps)
