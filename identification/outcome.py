@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from identification.adequacy import undetermined_by
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
@@ -194,7 +195,8 @@ def fit_records(
     samples = None
     if has_profile and is_jagged(whole):
         whole, samples = sampled(whole, progress)
-    found = tuple(estimates(whole))
+    lacking = undetermined_by(experiments)
+    found = tuple(each.left_open(lacking[each.name]) if each.name in lacking else each for each in estimates(whole))
     loop = shape_of_fit(whole)
     if loop is not None:
         notes.append(SAYS_NOTHING_OF_TIME)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,6 +40,10 @@ class Estimate:
     is_at_bound: bool
     interval: tuple[float, float] | None = None
     reason: str | None = None
+
+    def left_open(self, reason: str) -> Estimate:
+        """Return it without any uncertainty, for a reason."""
+        return replace(self, std=None, interval=None, reason=reason)
 
 
 def estimates(fit: Fit) -> list[Estimate]:
