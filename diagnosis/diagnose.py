@@ -13,7 +13,7 @@ import numpy as np
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import Candidate, select, workers
+from diagnosis.selection import Candidate, library_for, select, workers
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
@@ -169,6 +169,7 @@ def diagnose(
     records: Sequence[Record],
     model: Model,
     *,
+    candidates: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress = lambda what, share: None,
 ) -> Diagnosis:
@@ -180,6 +181,8 @@ def diagnose(
         Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
     model : Model
         The valve as given; its base parameters are where the refit begins.
+    candidates : sequence of str or None
+        Keys of the effects that may be the cause; by default all that the records can show.
     jobs : int or None
         Processes; by default one a core.
     progress : callable
@@ -188,22 +191,28 @@ def diagnose(
     Returns
     -------
     Diagnosis
+
+    Raises
+    ------
+    InputError
+        If a candidate is no effect, or a single record is too short to keep a part of it back.
     """
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
+    library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        candidates = select(first, holdout, pool, progress)
-    floors = floors_of(candidates, holdout)
-    judgement = judge(candidates, floors)
-    yardstick = yardstick_of(candidates[int(np.argmax(judgement.probabilities))], first, floors)
+        tried = select(first, holdout, library, pool, progress)
+    floors = floors_of(tried, holdout)
+    judgement = judge(tried, floors)
+    yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
-    causes = causes_of(candidates, judgement, floor, yardstick)
+    causes = causes_of(tried, judgement, floor, yardstick)
     verdict = verdict_of(causes, judgement)
-    shown = next(each for each in candidates if each.effects == causes[0].effects)
+    shown = next(each for each in tried if each.effects == causes[0].effects)
     as_given = errors_as_given(model, holdout, yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
@@ -232,7 +241,7 @@ def diagnose(
         given=model,
         base=whole_base,
         found=whole,
-        steps=steps_of(as_given, candidates, shown, floor, yardstick),
+        steps=steps_of(as_given, tried, shown, floor, yardstick),
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
     )
