@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -34,8 +33,8 @@ class Result:
         The trivial baseline's `effects`, `outcome`, `is_right`, `seconds`.
     closure : dict
         As `closure_on_unseen` gives it; empty where the diagnosis broke off.
-    seconds : float or None
-        Of the diagnosis, on one core. [s]
+    seconds, computing_seconds : float or None
+        Of the diagnosis, on one core: waiting for others included, and without. [s]
     """
 
     plant: str
@@ -48,6 +47,7 @@ class Result:
     baseline: dict[str, Any] | None
     closure: dict[str, float | None]
     seconds: float | None
+    computing_seconds: float | None
 
     def as_json(self) -> dict[str, Any]:
         """Return the result as blindtest.json has it."""
@@ -72,7 +72,7 @@ def open_plant(task: Task, places: Places, sealed: dict[str, str]) -> Result:
         "baseline": baseline_mark(task, answer["baseline"]),
     }
     if "error" in answer:
-        return Result(**shown, mark=FAILED, verdict="failed", closure={}, seconds=None)
+        return Result(**shown, mark=FAILED, verdict="failed", closure={}, seconds=None, computing_seconds=None)
     diagnosis = json.loads((places.answer(task) / "diagnosis.json").read_text(encoding="utf-8"))
     is_anchored = answer["yardstick"] == "anchored"
     return Result(
@@ -81,6 +81,7 @@ def open_plant(task: Task, places: Places, sealed: dict[str, str]) -> Result:
         verdict=diagnosis["verdict"],
         closure=closure_on_unseen(places.answer(task), plant, task.seeds["unseen"], is_anchored=is_anchored),
         seconds=answer["seconds"],
+        computing_seconds=answer["computing_seconds"],
     )
 
 
@@ -101,8 +102,3 @@ def baseline_mark(task: Task, said: dict[str, Any] | None) -> dict[str, Any] | N
         "is_stage_right": is_stage_right(task.effects, [named], None) if task.effects else None,
         "seconds": said["seconds"],
     }
-
-
-def opened(tasks: Sequence[Task], places: Places, sealed: dict[str, str]) -> list[Result]:
-    """Open all plants, one after the other."""
-    return [open_plant(task, places, sealed) for task in tasks]

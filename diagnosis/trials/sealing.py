@@ -92,7 +92,9 @@ def read_seal(places: Places) -> dict[str, Any]:
     try:
         content = json.loads(places.seal.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError("the seal must be readable", f"{places.seal}: {error}", "start anew in another folder") from None
+        raise InputError(
+            "the seal must be readable", f"{places.seal}: {error}", "start anew in another folder"
+        ) from None
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         raise InputError(f"a seal has the schema {SCHEMA!r}", f"{places.seal} has not", "start anew in another folder")
     return content

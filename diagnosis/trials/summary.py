@@ -36,6 +36,9 @@ def summary_of(results: Sequence[Result]) -> dict[str, Any]:
         "calibration": calibration_of(results),
         "closure": closure_of(results),
         "seconds": spread_of([each.seconds for each in results if each.seconds is not None]),
+        "computing_seconds": spread_of(
+            [each.computing_seconds for each in results if each.computing_seconds is not None]
+        ),
         "baseline": {kind: baseline_of(chosen) for kind, chosen in by_kind.items() if chosen[0].baseline} or None,
     }
 
@@ -109,7 +112,7 @@ def calibration_of(results: Sequence[Result]) -> dict[str, Any]:
                 "found": rate_of(is_true[chosen]),
             }
         )
-    errors = [each["found"]["of"] * abs(each["said"] - each["found"]["share"]) for each in bins if each["found"]["of"]]
+    errors = [abs(float(np.sum(said[number == index] - is_true[number == index]))) for index in range(BINS)]
     return {"bins": bins, "expected_calibration_error": sum(errors) / len(marks) if marks else None}
 
 

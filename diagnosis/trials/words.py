@@ -23,11 +23,11 @@ _RIGHT = {
 
 
 def rate_words(rate: Mapping[str, Any]) -> str:
-    """Write a rate as "94 % (47 of 50; 84 to 98 %)"."""
+    """Write a rate as "94.0 % (47 of 50; 84 to 98 %)", the interval last."""
     if not rate["of"]:
         return "–"
     low, high = rate["interval"]
-    return f"{100 * rate['share']:.1f} % ({rate['hits']} of {rate['of']}; {100 * low:.1f} to {100 * high:.1f} %)"
+    return f"{100 * rate['share']:.1f} % ({rate['hits']} of {rate['of']}; {100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def rate_rows(content: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
@@ -57,10 +57,8 @@ def figure_rows(content: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             f"median {percent(closure['median'])}, lowest decile {percent(closure['lowest_decile'])} "
             f"({closure['plants']} plants)",
         )
-    for title, seconds in (
-        ("seconds a record, one core", content["seconds"]),
-        *((f"baseline: {KIND_TITLES[kind]}", each["seconds"]) for kind, each in (content["baseline"] or {}).items()),
-    ):
+    for title, spent in (("seconds a record, one core", "seconds"), ("of these, computing", "computing_seconds")):
+        seconds = content[spent]
         if seconds["median"] is not None:
             yield title, f"median {seconds['median']:.1f} s, 95 % within {seconds['percentile_95']:.1f} s"
 
