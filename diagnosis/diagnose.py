@@ -10,10 +10,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from diagnosis.ceiling import ceiling_of
+from diagnosis.confusability import Confusability, confusability
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
+from diagnosis.sham import Control, control_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
@@ -112,6 +115,10 @@ class Diagnosis:
     given: Model
     base: Fit
     found: Fit
+    tried: list[Candidate]
+    confusability: Confusability
+    control: Control
+    ceiling: Errors
     steps: list[tuple[str, float]]
     warnings: tuple[str, ...]
     seconds: float
@@ -134,6 +141,13 @@ class Diagnosis:
                 "scored_on": self.holdout.scored_on,
                 "yardstick": YARDSTICKS[self.yardstick],
             },
+            "ceiling": {
+                "gap_after": self.ceiling.rms,
+                "gap_closed": closed_share(self.refitted.rms, self.ceiling.rms, self.floor),
+                "gap_closed_interval": closed_interval(self.refitted, self.ceiling, self.floor),
+            },
+            "control": vars(self.control),
+            "confusability": self.confusability.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
             "not_tried": [
@@ -214,6 +228,7 @@ def diagnose(
     verdict = verdict_of(causes, judgement)
     shown = next(each for each in tried if each.effects == causes[0].effects)
     as_given = errors_as_given(model, holdout, yardstick)
+    control = control_of(tried, holdout, floors, yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
@@ -241,8 +256,12 @@ def diagnose(
         given=model,
         base=whole_base,
         found=whole,
+        tried=tried,
+        confusability=confusability(whole_base, library),
+        control=control,
+        ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
         steps=steps_of(as_given, tried, shown, floor, yardstick),
-        warnings=(*(warning for record in records for warning in record.warnings), *notes),
+        warnings=(*(each for record in records for each in record.warnings), *notes, *control.notes),
         seconds=time.perf_counter() - began,
     )
 

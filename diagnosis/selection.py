@@ -57,17 +57,15 @@ class Candidate:
         On unseen data.
     trace : float [noise]
         Change of the reading, root mean square, when the least of the effects is taken out; infinite for the base.
+    freedom : int
+        Number of the effects' free parameters.
     """
 
     effects: tuple[str, ...]
     fit: Fit
     score: Score
     trace: float = math.inf
-
-    @property
-    def freedom(self) -> int:
-        """Number of the effects' free parameters."""
-        return sum(len(effect_of_key(key).fitted) for key in self.effects)
+    freedom: int = 0
 
 
 @contextmanager
@@ -90,7 +88,8 @@ def try_effect(fit: Fit, effects: tuple[str, ...], holdout: Holdout) -> Candidat
 
     with threadpool_limits(1):
         extended = extend(fit, effects[-1])
-        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout))
+        freedom = sum(len(effect_of_key(key).fitted) for key in effects)
+        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:

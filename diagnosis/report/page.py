@@ -14,6 +14,7 @@ from markupsafe import Markup
 from diagnosis.report import figures
 from diagnosis.report.amounts import amount, probability_text
 from diagnosis.report.evidence import Evidence, RecordEvidence
+from diagnosis.report.heatmap import heat_map_picture
 from diagnosis.report.words import Answer, cause_title, make_answer, printable, tied
 from valvemodel.files import write_text
 
@@ -63,6 +64,7 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
         ],
         record_names=[record.name for record in evidence.records],
         records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
+        heat_map=_heat_map(diagnosis.get("confusability")),
         equations=_equations(answer),
         length=_length(evidence),
     )
@@ -170,6 +172,16 @@ def _record_pictures(name: str, record: RecordEvidence, unit: str, cause: str) -
         narrow=Markup(narrow),
     )
     return RecordPictures(record.name, tuple(halves), residual)
+
+
+def _heat_map(confusability: Mapping[str, Any] | None) -> Picture | None:
+    if not confusability:
+        return None
+    return Picture(
+        Markup(heat_map_picture("confusability", confusability)),
+        "Which effect could pass for which",
+        "Matrix of similarity between the traces of all effects, and how far each rises above the noise.",
+    )
 
 
 def _equations(answer: Answer) -> dict[str, Markup]:
