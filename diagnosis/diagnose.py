@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
+
+if TYPE_CHECKING:
+    from diagnosis.next_experiment import NextExperiment
 
 SCHEMA = "valvemodel.diagnosis/1"
 
@@ -122,6 +125,7 @@ class Diagnosis:
     steps: list[tuple[str, float]]
     warnings: tuple[str, ...]
     seconds: float
+    next_experiment: NextExperiment | None = None
 
     @property
     def cause(self) -> Cause:
@@ -148,6 +152,7 @@ class Diagnosis:
             },
             "control": vars(self.control),
             "confusability": self.confusability.as_json(),
+            "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
             "not_tried": [

@@ -64,6 +64,7 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
         ],
         record_names=[record.name for record in evidence.records],
         records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
+        next_input=_next_input(evidence),
         heat_map=_heat_map(diagnosis.get("confusability")),
         equations=_equations(answer),
         length=_length(evidence),
@@ -172,6 +173,13 @@ def _record_pictures(name: str, record: RecordEvidence, unit: str, cause: str) -
         narrow=Markup(narrow),
     )
     return RecordPictures(record.name, tuple(halves), residual)
+
+
+def _next_input(evidence: Evidence) -> Picture | None:
+    if evidence.next_input is None:
+        return None
+    markup = figures.profile_picture("next-input", *evidence.next_input)
+    return Picture(Markup(markup), "Designed current over time", "Curve of the designed current over time.")
 
 
 def _heat_map(confusability: Mapping[str, Any] | None) -> Picture | None:

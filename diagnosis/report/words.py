@@ -34,6 +34,8 @@ _SURE, _LIKELY = 0.9, 0.6
 _WORTH_SAYING = 0.05
 """Probability from which another cause is mentioned on the first screen."""
 _SHOWN_CAUSES = 8
+_TELLING = 0.5
+"""Difference of two rivals over the noise, root mean square, from which an experiment tells them apart."""
 _HARDLY_VISIBLE = 1.0
 """Trace of an effect of typical size over the noise below which it is said to hardly show."""
 NO_BREAK_SPACE = "\u00a0"
@@ -118,6 +120,7 @@ class Answer:
     others: str
     input_shows: tuple[str, ...]
     black_box: str
+    designed: str
     next_step: str
     regimes: tuple[tuple[str, str, str, str], ...]
     causes: tuple[CauseWords, ...]
@@ -156,7 +159,8 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         others=_others(diagnosis),
         input_shows=_input_shows(diagnosis),
         black_box=_black_box(diagnosis),
-        next_step=diagnosis.get("next_step") or _next_step(diagnosis, alternatives),
+        designed=_designed(diagnosis),
+        next_step=diagnosis.get("next_step") or _designed(diagnosis) or _next_step(diagnosis, alternatives),
         regimes=_regimes(diagnosis),
         causes=tuple(shown),
         causes_left_out=_left_out(len(causes) - len(shown)),
@@ -507,8 +511,30 @@ def _black_box(diagnosis: Mapping[str, Any]) -> str:
     closed = (diagnosis.get("ceiling") or {}).get("gap_closed")
     if diagnosis["verdict"] == "none" or not is_number(closed):
         return ""
-    share = percent(closed) if closed > 0.0 else "nothing"
-    return f"A black box that knows no physics, taught on the same data, closes {share} of it."
+    share = f"{percent(closed)} of what could be closed" if closed > 0.0 else "nothing"
+    return f"A black box that knows no physics, taught on the same data, closes {share}."
+
+
+def _designed(diagnosis: Mapping[str, Any]) -> str:
+    """Say what the designed experiment would tell apart and how far, or that only another signal would."""
+    designed = diagnosis.get("next_experiment")
+    if not designed:
+        return ""
+    names = [cause_title(each) for each in designed["rivals"]]
+    purpose = f"To tell {listed(names)} apart" if designed["is_open"] else f"To confirm {names[0]} against {names[1]}"
+    separation = {name: value for name, value in designed["separation"].items() if is_number(value)}
+    gauge = separation.get("pressure_now", 0.0)
+    if separation["profile"] >= _TELLING or separation["profile"] >= gauge:
+        hope = "" if separation["profile"] >= _TELLING else " Even that is little."
+        return (
+            f"{purpose}, record the current profile in {designed['file']}: refitted, they would differ by "
+            f"{separation['profile']:.2g} times the noise (now {separation['now']:.2g}).{hope}"
+        )
+    return (
+        f"{purpose}, measure the pressure: under the same input they would differ by {gauge:.2g} times the noise; "
+        f"no current profile within the limits brings more than {separation['profile']:.2g} without it "
+        f"({designed['file']} is the best)."
+    )
 
 
 def _next_step(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
