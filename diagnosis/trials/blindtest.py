@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import partial
@@ -104,30 +104,45 @@ def _all(do: Callable[[Task], Any], tasks: Sequence[Task], jobs: int, what: str,
     """Do something to all tasks, some at the same time, and return what came out in their order."""
     began = time.monotonic()
     done: dict[int, Any] = {}
-
-    def tell() -> None:
-        spent = time.monotonic() - began
-        left = spent / len(done) * (len(tasks) - len(done)) if done else None
+    progress(f"{what} 0/{len(tasks)}", 0.0)
+    for number, result in (_one_by_one if jobs == 1 else partial(_at_the_same_time, jobs=jobs))(do, tasks):
+        done[number] = result
+        left = (time.monotonic() - began) / len(done) * (len(tasks) - len(done))
         progress(f"{what} {len(done)}/{len(tasks)}{_until(left)}", len(done) / len(tasks))
-
-    tell()
-    with ProcessPoolExecutor(jobs, mp_context=get_context("fork"), initializer=_use_one_core) as pool:
-        running = {pool.submit(do, task): task.number for task in tasks}
-        try:
-            for each in as_completed(running):
-                done[running[each]] = each.result()
-                tell()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
     return [done[task.number] for task in tasks]
 
 
-def _until(seconds: float | None) -> str:
-    return "" if seconds is None or seconds < 20.0 else f", {max(1, round(seconds / 60))} min to go"
-
-
-def _use_one_core() -> None:
+def _one_by_one(do: Callable[[Task], Any], tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
     from threadpoolctl import threadpool_limits
 
+    with threadpool_limits(1):
+        for task in tasks:
+            yield task.number, do(task)
+
+
+def _at_the_same_time(do: Callable[[Task], Any], tasks: Sequence[Task], jobs: int) -> Iterator[tuple[int, Any]]:
+    # from a clean process: a fork of one that has read a table would wait for polars' threads for ever
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["diagnosis.trials.blindtest"])
+    with ProcessPoolExecutor(jobs, mp_context=context, initializer=_be_a_worker) as pool:
+        running = {pool.submit(do, task): task.number for task in tasks}
+        try:
+            for each in as_completed(running):
+                yield running[each], each.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _be_a_worker() -> None:
+    """Use one core, and end without a word on Ctrl-C."""
+    import signal
+
+    from threadpoolctl import threadpool_limits
+
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     threadpool_limits(1)
+
+
+def _until(seconds: float) -> str:
+    return "" if seconds < 20.0 else f", {max(1, round(seconds / 60))} min to go"

@@ -33,6 +33,10 @@ class Result:
         The trivial baseline's `effects`, `outcome`, `is_right`, `seconds`.
     closure : dict
         As `closure_on_unseen` gives it; empty where the diagnosis broke off.
+    sham : float or None
+        Probability that effects which cannot be in the record would have got together.
+    black_box, cause : float or None
+        Share of the reducible gap on held-out blocks that a correction without physics closes, and the cause.
     seconds, computing_seconds : float or None
         Of the diagnosis, on one core: waiting for others included, and without. [s]
     """
@@ -46,8 +50,11 @@ class Result:
     verdict: str
     baseline: dict[str, Any] | None
     closure: dict[str, float | None]
-    seconds: float | None
-    computing_seconds: float | None
+    sham: float | None = None
+    black_box: float | None = None
+    cause: float | None = None
+    seconds: float | None = None
+    computing_seconds: float | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the result as blindtest.json has it."""
@@ -72,7 +79,7 @@ def open_plant(task: Task, places: Places, sealed: dict[str, str]) -> Result:
         "baseline": baseline_mark(task, answer["baseline"]),
     }
     if "error" in answer:
-        return Result(**shown, mark=FAILED, verdict="failed", closure={}, seconds=None, computing_seconds=None)
+        return Result(**shown, mark=FAILED, verdict="failed", closure={})
     diagnosis = json.loads((places.answer(task) / "diagnosis.json").read_text(encoding="utf-8"))
     is_anchored = answer["yardstick"] == "anchored"
     return Result(
@@ -80,6 +87,9 @@ def open_plant(task: Task, places: Places, sealed: dict[str, str]) -> Result:
         mark=mark(task.kind, task.effects, diagnosis),
         verdict=diagnosis["verdict"],
         closure=closure_on_unseen(places.answer(task), plant, task.seeds["unseen"], is_anchored=is_anchored),
+        sham=diagnosis["control"]["probability"],
+        black_box=diagnosis["ceiling"]["gap_closed"],
+        cause=diagnosis["causes"][0]["gap_closed"],
         seconds=answer["seconds"],
         computing_seconds=answer["computing_seconds"],
     )

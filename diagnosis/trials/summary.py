@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from diagnosis.sham import WINS_FROM
 from diagnosis.trials.marking import OUTCOMES
 from diagnosis.trials.plan import KINDS
 from diagnosis.trials.scoring import Result
@@ -35,6 +36,8 @@ def summary_of(results: Sequence[Result]) -> dict[str, Any]:
         },
         "calibration": calibration_of(results),
         "closure": closure_of(results),
+        "black_box": black_box_of(results),
+        "sham_wins": rate_of(each.sham >= WINS_FROM for each in results if each.sham is not None),
         "seconds": spread_of([each.seconds for each in results if each.seconds is not None]),
         "computing_seconds": spread_of(
             [each.computing_seconds for each in results if each.computing_seconds is not None]
@@ -123,6 +126,18 @@ def closure_of(results: Sequence[Result]) -> dict[str, Any]:
     known = [share for share in shares if share is not None]
     low, middle = np.quantile(known, [0.1, 0.5]) if known else (None, None)
     return {"plants": len(known), "median": middle, "lowest_decile": low}
+
+
+def black_box_of(results: Sequence[Result]) -> dict[str, Any]:
+    """Return the share of the gap on held-out blocks that a black box closes, beside the cause, where there is one."""
+    pairs = [
+        (each.black_box, each.cause)
+        for each in results
+        if each.kind in ("single", "pair") and each.verdict == "effect"
+        if each.black_box is not None and each.cause is not None
+    ]
+    black_box, cause = np.median(pairs, axis=0) if pairs else (None, None)
+    return {"plants": len(pairs), "median": black_box, "cause_median": cause}
 
 
 def spread_of(values: Sequence[float]) -> dict[str, Any]:

@@ -57,6 +57,15 @@ def figure_rows(content: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             f"median {percent(closure['median'])}, lowest decile {percent(closure['lowest_decile'])} "
             f"({closure['plants']} plants)",
         )
+    black_box = content["black_box"]
+    if black_box["median"] is not None:
+        yield (
+            "gap closed on held-out blocks by a black box without physics",
+            f"median {percent(max(black_box['median'], 0.0))}; by the cause {percent(black_box['cause_median'])} "
+            f"({black_box['plants']} plants)",
+        )
+    if content["sham_wins"]["of"]:
+        yield "sham effects, which cannot be in a valve, would have won", rate_words(content["sham_wins"])
     for title, spent in (("seconds a record, one core", "seconds"), ("of these, computing", "computing_seconds")):
         seconds = content[spent]
         if seconds["median"] is not None:

@@ -101,7 +101,7 @@ def test_wilson_interval_is_the_published_one():
 def result_of(outcome_said: float, is_true: bool, closed: float | None = None) -> Result:
     diagnosis = said("effect", {"coil_lag" if is_true else "end_stop": outcome_said})
     found = mark("single", ("coil_lag",), diagnosis)
-    return Result("p", "single", ("coil_lag",), (), 5.0, found, "effect", None, {"closed": closed}, 1.0, 1.0)
+    return Result("p", "single", ("coil_lag",), (), 5.0, found, "effect", None, {"closed": closed})
 
 
 def test_calibration_error_is_zero_where_frequency_is_what_was_said():

@@ -46,7 +46,7 @@ def sealed_once(tmp_path_factory):
 
 def test_truth_is_sealed_before_the_first_diagnosis(tmp_path: Path, broken):
     broken.folder = tmp_path
-    test = run_blindtest(QUICK, 2, tmp_path, jobs=2)
+    test = run_blindtest(QUICK, 2, tmp_path, jobs=1)
     errors = [json.loads(path.read_text())["error"] for path in tmp_path.glob("answers/*/answer.json")]
     assert errors == ["RuntimeError: sealed"] * 2
     assert [each.mark.outcome for each in test.results] == ["failed"] * 2
