@@ -14,6 +14,7 @@ from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
+from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
@@ -122,6 +123,7 @@ class Diagnosis:
     confusability: Confusability
     control: Control
     ceiling: Errors
+    residual_curves: list[Curve]
     steps: list[tuple[str, float]]
     warnings: tuple[str, ...]
     seconds: float
@@ -152,6 +154,7 @@ class Diagnosis:
             },
             "control": vars(self.control),
             "confusability": self.confusability.as_json(),
+            "residual_curves": [curve.as_json() for curve in self.residual_curves],
             "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
@@ -265,6 +268,7 @@ def diagnose(
         confusability=confusability(whole_base, library),
         control=control,
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
+        residual_curves=residual_curves(experiments, whole_base) if verdict == "unknown" else [],
         steps=steps_of(as_given, tried, shown, floor, yardstick),
         warnings=(*(each for record in records for each in record.warnings), *notes, *control.notes),
         seconds=time.perf_counter() - began,

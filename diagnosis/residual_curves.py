@@ -1,4 +1,4 @@
-"""Residual curves: what the refitted base leaves at each stage, and what that depends on, where no effect explains it."""
+"""Residual curves: what the refitted base leaves at each stage, and what that depends on."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from diagnosis.report import figures
 from diagnosis.report.amounts import amount, probability_text
+from diagnosis.report.curves import curves_picture
 from diagnosis.report.evidence import Evidence, RecordEvidence
 from diagnosis.report.heatmap import heat_map_picture
 from diagnosis.report.words import Answer, cause_title, make_answer, printable, tied
@@ -64,6 +65,7 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
         ],
         record_names=[record.name for record in evidence.records],
         records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
+        residual_pictures=_residual_pictures(diagnosis.get("residual_curves") or ()),
         next_input=_next_input(evidence),
         heat_map=_heat_map(diagnosis.get("confusability")),
         equations=_equations(answer),
@@ -173,6 +175,19 @@ def _record_pictures(name: str, record: RecordEvidence, unit: str, cause: str) -
         narrow=Markup(narrow),
     )
     return RecordPictures(record.name, tuple(halves), residual)
+
+
+def _residual_pictures(curves: Sequence[Mapping[str, Any]]) -> list[Picture]:
+    signals = dict.fromkeys(curve["signal"] for curve in curves)
+    by_signal = {signal: [curve for curve in curves if curve["signal"] == signal] for signal in signals}
+    return [
+        Picture(
+            Markup(curves_picture(f"left-{signal}", own)),
+            f"{signal.capitalize()} ({own[0]['stage']})" if own[0]["stage"] != "any" else signal.capitalize(),
+            f"Curves of the residual {signal} over {', '.join(curve['against'] for curve in own)}.",
+        )
+        for signal, own in by_signal.items()
+    ]
 
 
 def _next_input(evidence: Evidence) -> Picture | None:

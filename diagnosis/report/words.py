@@ -121,6 +121,7 @@ class Answer:
     input_shows: tuple[str, ...]
     black_box: str
     designed: str
+    depends: tuple[str, ...]
     next_step: str
     regimes: tuple[tuple[str, str, str, str], ...]
     causes: tuple[CauseWords, ...]
@@ -160,6 +161,7 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         input_shows=_input_shows(diagnosis),
         black_box=_black_box(diagnosis),
         designed=_designed(diagnosis),
+        depends=_depends(diagnosis),
         next_step=diagnosis.get("next_step") or _designed(diagnosis) or _next_step(diagnosis, alternatives),
         regimes=_regimes(diagnosis),
         causes=tuple(shown),
@@ -534,6 +536,17 @@ def _designed(diagnosis: Mapping[str, Any]) -> str:
         f"{purpose}, measure the pressure: under the same input they would differ by {gauge:.2g} times the noise; "
         f"no current profile within the limits brings more than {separation['profile']:.2g} without it "
         f"({designed['file']} is the best)."
+    )
+
+
+def _depends(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
+    """Say for each signal what its residual depends on most; the curves of a signal stand best first."""
+    best = {curve["signal"]: curve for curve in reversed(diagnosis.get("residual_curves") or ())}
+    return tuple(
+        f"What is left of the {signal} depends most on {best[signal]['against']}: a curve over it explains "
+        f"{percent(best[signal]['share'])} of it."
+        for signal in reversed(best)
+        if best[signal]["share"] >= _CONCENTRATED
     )
 
 
