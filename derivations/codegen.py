@@ -28,14 +28,14 @@ NUMERIC = Dialect(
     "The stage maps and friction laws for numbers: NumPy arrays, and scalars under numba.njit.",
     "Arguments may be arrays that broadcast; all quantities are SI.",
     "import numpy as np",
-    Printer({"sqrt": "np.sqrt", "sign": "np.sign", "Abs": "np.abs", "tanh": "np.tanh"}, "np.pi"),
+    Printer({"sqrt": "np.sqrt", "sign": "np.sign", "Abs": "np.abs", "tanh": "np.tanh", "exp": "np.exp"}, "np.pi"),
 )
 SYMBOLIC = Dialect(
     "valvemodel/equations/symbolic.py",
     "The stage maps and friction laws on CasADi's SX and MX, for gradients and optimisation.",
     "The same functions as in `numeric`, from the same expressions; all quantities are SI.",
     "import math\n\nimport casadi as ca",
-    Printer({"sqrt": "ca.sqrt", "sign": "ca.sign", "Abs": "ca.fabs", "tanh": "ca.tanh"}, "math.pi"),
+    Printer({"sqrt": "ca.sqrt", "sign": "ca.sign", "Abs": "ca.fabs", "tanh": "ca.tanh", "exp": "ca.exp"}, "math.pi"),
 )
 
 
@@ -66,13 +66,15 @@ def _function(dialect: Dialect, source: Source) -> str:
         f"    {LETTERS[letter].name} : {LETTERS[letter].meaning}. [{LETTERS[letter].unit}]\n"
         for letter in source.letters.split()
     )
+    # Equations of the paper are numbered, effects are named.
+    origin = f"{'Paper' if source.equation.startswith('(') else 'Effect'} {source.equation}"
     body = "\n".join(f"    {line}" for line in _body(dialect.printer, source))
     return f'''
 
 {_signature(source)}
     """{source.sentence}
 
-    Paper {source.equation}. Returns [{source.unit}].
+    {origin}. Returns [{source.unit}].
 
 {given}    """
 {body}

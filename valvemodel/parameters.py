@@ -19,6 +19,8 @@ _COMPILED = (
     _HERE / "runs.py",
     _HERE / "stepping.py",
     _HERE / "equations" / "numeric.py",
+    *sorted((_HERE / "control" / "laws").glob("*.py")),
+    _HERE / "linear" / "rates.py",
 )
 
 
