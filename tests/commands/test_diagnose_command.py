@@ -96,7 +96,7 @@ def test_interrupt_leaves_nothing(demo_record, tmp_path):
 
 
 def test_next_experiment_goes_into_simulate(command, short_record, tmp_path):
-    words = ("--next-experiment", "next.csv", "--next-duration", "30 s", "--next-range", "6 mA", "15 mA")
+    words = ("--next-experiment", "next.csv", "--next-duration", "10 s", "--next-range", "6 mA", "15 mA")
     result = command("diagnose", short_record, "--out", "report", "--jobs", 1, *words)
     assert result.exit_code == 0, result.output
     content = json.loads((tmp_path / "report" / "diagnosis.json").read_text())["next_experiment"]
