@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.diagnose import Cause, Progress, content_of
+from diagnosis.diagnosing import Cause, Progress, content_of
 from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
 from identification.experiment import Experiment

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.diagnose import Diagnosis, diagnose
+from diagnosis.diagnosing import Diagnosis, diagnose
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
 from identification.holdout import hold_out

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.diagnose import diagnose
+from diagnosis.diagnosing import diagnose
 from identification.adequacy import clipped_readings, turns, without_clipped
 from identification.experiment import experiment_of
 from identification.outcome import Outcome, fit_records
