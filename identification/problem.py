@@ -39,6 +39,8 @@ class Problem:
         Which samples of each experiment count.
     is_anchored : bool
         Whether each run is put anew on its experiment's anchors, else it runs free.
+    substep, tolerance : float [s], [N]
+        Of the simulator.
     """
 
     model: Model
@@ -46,6 +48,8 @@ class Problem:
     unknowns: Sequence[Unknown]
     used: Sequence[np.ndarray]
     is_anchored: bool = False
+    substep: float = SEARCH_SUBSTEP
+    tolerance: float = SEARCH_TOLERANCE
     _rows: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -87,8 +91,8 @@ class Problem:
         return simulate_rows(
             experiment,
             self.rows(points, number),
-            substep=SEARCH_SUBSTEP,
-            tolerance=SEARCH_TOLERANCE,
+            substep=self.substep,
+            tolerance=self.tolerance,
             anchors=experiment.anchors if self.is_anchored else runs.FREE,
             with_pressure=experiment.pressure is not None,
             in_closed_form=self.settles,
