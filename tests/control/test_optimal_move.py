@@ -64,9 +64,7 @@ def test_effects_are_known_to_the_move(key):
 
 
 def test_the_valve_under_swinging_does_not_overshoot():
-    move = least_time(
-        calibrated(viscous_friction=60.0), start_current=START, target=0.15, rate=100e-3, period=PERIOD
-    )
+    move = least_time(calibrated(viscous_friction=60.0), start_current=START, target=0.15, rate=100e-3, period=PERIOD)
     check_admissible(move, 100e-3)
 
 

@@ -313,9 +313,7 @@ def _program(task: Task, periods: int) -> SteeringProgram:
     low, high = task.ends
     margin = MARGIN * task.band
     return SteeringProgram(
-        SmoothChain(
-            task.model, parts=parts_for(task.model, task.period), is_unbroken=not is_swinging(task.model)
-        ),
+        SmoothChain(task.model, parts=parts_for(task.model, task.period), is_unbroken=not is_swinging(task.model)),
         period=task.period,
         periods=periods,
         hold=task.hold,

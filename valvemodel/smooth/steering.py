@@ -142,9 +142,7 @@ class SteeringProgram:
         count = current.size1()
         return (1.0 - part) * late[1 : count + 1] + part * late[:count]
 
-    def solve(
-        self, arrival: int, width: float, guess: np.ndarray, prices: tuple[float, float] = HASTE
-    ) -> Steered:
+    def solve(self, arrival: int, width: float, guess: np.ndarray, prices: tuple[float, float] = HASTE) -> Steered:
         """Solve for readings in the band from the end of a period on, at a smoothing width [N].
 
         Parameters
