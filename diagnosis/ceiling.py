@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.regimes import time_since_reversal
 from diagnosis.score import Errors, errors_of
 from identification.experiment import Experiment, Simulated
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.regimes import time_since_reversal
 
 PLACES = 12
 """Places along each input at which the correction's curve bends; more close no more."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.diagnose import Diagnosis
+from diagnosis.diagnosing import Diagnosis
 from diagnosis.selection import Candidate
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
 from identification.experiment import Experiment

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.diagnose import Cause, Diagnosis
+from diagnosis.diagnosing import Cause, Diagnosis
 from diagnosis.report import Evidence, Rank, RecordEvidence, Step
 from identification.experiment import Experiment
 from identification.fit import simulate_model

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from diagnosis.diagnose import diagnose
+from diagnosis.diagnosing import diagnose
 from diagnosis.trials.baseline import name_by_least_squares
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model

@@ -153,6 +153,6 @@ def _diagnosed(records: Sequence[Record], model: Model, jobs: int | None, progre
 
         progress("force balance of the stem", 0.0)
         return diagnose_stem_records(records, model)
-    from diagnosis.diagnose import diagnose as find_causes
+    from diagnosis.diagnosing import diagnose as find_causes
 
     return find_causes(records, model, jobs=jobs, progress=progress)

@@ -26,6 +26,7 @@ def figures(out: Path) -> None:
                   `calibrated`, and the gap law that passes the two points of the text
     Figure 7      settled loop in steps of 0.5 mA with self-calibration (simulated, not measured)
     Figure 8      the method of self-calibration, eqs. (35)-(40)
+    Figure 9      PID, self-calibration and SC-PID on the same set points (simulated)
     """
     check_folder(out)
     from valvemodel.paper_figures.gallery import make_figures

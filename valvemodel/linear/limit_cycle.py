@@ -60,23 +60,43 @@ def linear_part(loop: Loop) -> ct.StateSpace:
 
 def describing_response(loop: Loop) -> ct.DescribingFunctionResponse:
     """Return python-control's harmonic balance of a loop; amplitudes are over the smallest one that moves the stem."""
+    crossover = loop.integral * abs(loop.slip_gain)
+    return ct.describing_function_response(
+        linear_part(loop), _scaled_friction(loop), AMPLITUDES, crossover * FREQUENCIES, refine=False, warn_nyquist=False
+    )
+
+
+def _scaled_friction(loop: Loop) -> stiction_nonlinearity:
     static, kinetic = loop.stickiness()
     half_band = 0.5 * (static + kinetic)
-    friction = stiction_nonlinearity(static / half_band, kinetic / half_band)
-    part = linear_part(loop)
-    crossover = loop.integral * float(abs(loop.point.current_to_position.dcgain()))
-    return ct.describing_function_response(part, friction, AMPLITUDES, crossover * FREQUENCIES, warn_nyquist=False)
+    return stiction_nonlinearity(static / half_band, kinetic / half_band)
 
 
 def describing_cycle(loop: Loop) -> LimitCycle | None:
     """Return the limit cycle that the describing function predicts, the largest one; None where it predicts none."""
-    static, kinetic = loop.stickiness()
-    half_band = 0.5 * (static + kinetic)
-    found = [(a, w) for a, w in describing_response(loop) if a >= 1.0 and w > 0.0]
-    if not found:
+    balances = [_refined(loop, amplitude, frequency) for amplitude, frequency in describing_response(loop)]
+    if not balances:
         return None
-    amplitude, frequency = max(found)
-    friction = stiction_nonlinearity(static, kinetic)
-    position = abs(friction.describing_function(amplitude * half_band)) * amplitude * half_band
-    controlled = position * abs(loop.process()(1j * frequency))
-    return LimitCycle("describing function", 2.0 * math.pi / frequency, controlled)
+    amplitude, frequency = max(balances)
+    input_size = 0.5 * sum(loop.stickiness()) * amplitude
+    output_size = abs(_scaled_friction(loop).describing_function(amplitude)) * input_size
+    return LimitCycle(
+        "describing function", 2.0 * math.pi / frequency, float(output_size * abs(loop.process()(1j * frequency)))
+    )
+
+
+def _refined(loop: Loop, amplitude: float, frequency: float) -> tuple[float, float]:
+    """Return amplitude and frequency at which 1 + N(A) H(jw) = 0, from python-control's estimate on its grid."""
+    from scipy.optimize import root
+
+    friction, part = _scaled_friction(loop), linear_part(loop)
+
+    def balance(logarithms: np.ndarray) -> list[float]:
+        size, pace = 1.0 + math.exp(logarithms[0]), math.exp(logarithms[1])
+        value = 1.0 + friction.describing_function(size) * complex(part(1j * pace))
+        return [value.real, value.imag]
+
+    start = np.log([amplitude - 1.0, frequency])
+    solution = root(balance, start)
+    size, pace = np.exp(solution.x if solution.success else start)
+    return 1.0 + float(size), float(pace)

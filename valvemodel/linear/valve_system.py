@@ -60,7 +60,7 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
 
     system = ct.nlsys(
         update, output, name=model.name, dt=period, inputs=["current"], outputs=list(OUTPUTS),
-        states=[*STATE.names, *(f"current_{number}" for number in range(under_way))],
+        states=[*(STATE.names or ()), *(f"current_{number}" for number in range(under_way))],
     )  # fmt: skip
     system.start = np.concatenate((start.view(float), np.full(under_way, current)))
     return system

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from valvemodel.control.calibration import Calibration, self_calibrate
 from valvemodel.drawing import BLUE, GREY, INK, VERMILLION
-from valvemodel.equations.numeric import branch_intercept, branch_slope, current_threshold, mean_slope
 from valvemodel.model import Model
 from valvemodel.paper_figures.settled import SettledLoop, settled_loop
 from valvemodel.valves import read_valve
@@ -18,35 +18,35 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CORNERS = (4e-3, 20e-3, 4e-3)
-RISING, FALLING = (13e-3, 16e-3, 19e-3), (15e-3, 12e-3, 9e-3)
-"""Loads of steps 1 and 2 of section 3, which the paper does not give. [A]"""
+"""Of the sweep. [A]"""
 
 VALVES = ("linear", "calibrated")
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """A settled loop with six of its points and the lines (35)-(40) through them."""
+    """A settled loop of a valve, and what self-calibration finds on that valve."""
 
     loop: SettledLoop
-    rising: np.ndarray
-    falling: np.ndarray
-    slope: float
-    intercepts: tuple[float, float]
-    threshold: float
+    lines: Calibration
+
+    @property
+    def intercepts(self) -> tuple[float, float]:
+        """Of the rising and of the falling line. [m]"""
+        return self.lines.rising_intercept, self.lines.falling_intercept
 
     def as_json(self) -> dict[str, Any]:
         """Return the data behind the figure."""
-        points = np.concatenate((self.rising, self.falling))
+        points = np.concatenate((self.lines.rising, self.lines.falling))
         return {
             "loop": self.loop.as_json(),
             "records": {
                 "current": {"value": points[:, 0], "unit": "A"},
                 "position": {"value": points[:, 1], "unit": "m"},
             },
-            "slope": {"value": self.slope, "unit": "m/A"},
+            "slope": {"value": self.lines.slope, "unit": "m/A"},
             "intercepts": {"value": list(self.intercepts), "unit": "m"},
-            "threshold": {"value": self.threshold, "unit": "A"},
+            "threshold": {"value": self.lines.threshold, "unit": "A"},
             "true_width": {
                 name: {"value": width, "unit": "A", "position": {"value": place, "unit": "m"}}
                 for name, (place, width) in self.true_widths().items()
@@ -74,39 +74,28 @@ class Calibrated:
 
 
 def calibrated(name: str) -> Calibrated:
-    """Sweep a valve set and put the paper's lines through six settled points."""
+    """Sweep a valve set and calibrate it."""
     valve = read_valve(name)
-    loop = settled_loop(Model(valve.name, valve.values), CORNERS)
-    rising, falling = (_records(loop, part, currents) for part, currents in ((0, RISING), (1, FALLING)))
-    slope = float(mean_slope(branch_slope(*rising.ravel()), branch_slope(*falling.ravel())))
-    intercepts = tuple(float(branch_intercept(slope, *branch.ravel())) for branch in (rising, falling))
-    return Calibrated(loop, rising, falling, slope, intercepts, float(current_threshold(slope, *intercepts)))
-
-
-def _records(loop: SettledLoop, part: int, currents: tuple[float, ...]) -> np.ndarray:
-    rows = [
-        np.flatnonzero((loop.part == part) & np.isclose(loop.current, current, rtol=0.0, atol=1e-9))[0]
-        for current in currents
-    ]
-    return np.column_stack((loop.current[rows], loop.position[rows]))
+    model = Model(valve.name, valve.values)
+    return Calibrated(settled_loop(model, CORNERS), self_calibrate(model))
 
 
 def draw_settled_loops(figure: Figure, found: dict[str, Calibrated]) -> None:
     """Draw the loops side by side, each with the lines of the self-calibration and the widths that they miss."""
     for axes, (name, each) in zip(figure.subplots(1, len(found)), found.items(), strict=True):
         _draw(axes, name, each)
-    figure.suptitle("Figure 7, simulated: settled loop in steps of 0.5 mA, and self-calibration on six of its points")
+    figure.suptitle("Figure 7, simulated: settled loop in steps of 0.5 mA, and what self-calibration makes of it")
 
 
 def _draw(axes: Axes, name: str, each: Calibrated) -> None:
     loop, span = each.loop, np.array([4e-3, 20e-3])
     axes.plot(1e3 * loop.current, 1e3 * loop.position, ".-", color=GREY, linewidth=1.0, label="settled, simulated")
-    sides = (("rising", each.rising, VERMILLION, "o"), ("falling", each.falling, BLUE, "s"))
+    sides = (("rising", each.lines.rising, VERMILLION, "o"), ("falling", each.lines.falling, BLUE, "s"))
     for (side, points, colour, mark), intercept in zip(sides, each.intercepts, strict=True):
-        line = each.slope * span + intercept
+        line = each.lines.slope * span + intercept
         axes.plot(1e3 * span, 1e3 * line, "--", color=colour, linewidth=1.1, label=f"line of (37), {side}")
         axes.plot(*1e3 * points.T, mark, color=colour, markersize=7, label=f"records, {side}")
-    lines = [f"width by (40): {1e3 * each.threshold:.2f} mA"]
+    lines = [f"width by (40): {1e3 * each.lines.threshold:.2f} mA"]
     for where, (place, width) in each.true_widths().items():
         lines.append(f"true width, {where} ({1e3 * place:.0f} mm): {1e3 * width:.2f} mA")
     axes.text(0.98, 0.03, "\n".join(lines), transform=axes.transAxes, ha="right", va="bottom", color=INK)
@@ -119,24 +108,25 @@ def draw_scheme(figure: Figure, each: Calibrated) -> None:
     axes = figure.subplots()
     span = np.array([4e-3, 20e-3])
     axes.plot(1e3 * each.loop.current, 1e3 * each.loop.position, color="#cccccc", label="settled loop, simulated")
-    sides = ((each.rising, VERMILLION, "o", "A", 1), (each.falling, BLUE, "s", "B", 4))
+    sides = ((each.lines.rising, VERMILLION, "o", "A", 1), (each.lines.falling, BLUE, "s", "B", 4))
     for (points, colour, mark, letter, first), intercept in zip(sides, each.intercepts, strict=True):
         offset, side = ((10, -14), "left") if first == 1 else ((-10, 10), "right")
         step = "1: three loads upwards" if first == 1 else "2: three loads downwards"
         axes.plot(*1e3 * points.T, mark, color=colour, markersize=7, label=f"step {step}")
-        axes.plot(1e3 * span, 1e3 * (each.slope * span + intercept), "--", color=colour, linewidth=1.1)
+        axes.plot(1e3 * span, 1e3 * (each.lines.slope * span + intercept), "--", color=colour, linewidth=1.1)
         for number, point in enumerate(points):
             axes.annotate(
-                f"($I_{first + number}$, ${letter}_{number + 1}$)", 1e3 * point, xytext=offset,
+                f"($I_{first + number}$, ${letter}_{number + 1}$)", tuple(1e3 * point), xytext=offset,
                 textcoords="offset points", ha=side, color=colour,
             )  # fmt: skip
-        start = 1e3 * np.array([span[0], each.slope * span[0] + intercept])
+        start = 1e3 * np.array([span[0], each.lines.slope * span[0] + intercept])
         words = f"$k\\,i + b_{1 if first == 1 else 2}$, b = {1e3 * intercept:.1f} mm"
-        axes.annotate(words, start, xytext=(4, -16), textcoords="offset points", color=colour)
-    place = float(np.mean([each.rising[1, 1], each.falling[1, 1]]))
-    ends = [1e3 * (place - intercept) / each.slope for intercept in each.intercepts]
+        axes.annotate(words, tuple(start), xytext=(4, -16), textcoords="offset points", color=colour)
+    place = float(np.mean([each.lines.rising[1, 1], each.lines.falling[1, 1]]))
+    ends = [1e3 * (place - intercept) / each.lines.slope for intercept in each.intercepts]
     axes.annotate("", (ends[0], 1e3 * place), (ends[1], 1e3 * place), arrowprops={"arrowstyle": "<->", "color": INK})
-    words = f"step 3: $I_{{threshold}} = (b_2 - b_1)/k$\n= {1e3 * each.threshold:.2f} mA, k = {each.slope:.2f} mm/mA"
+    words = "step 3: $I_{threshold} = (b_2 - b_1)/k$"
+    words += f"\n= {1e3 * each.lines.threshold:.2f} mA, k = {each.lines.slope:.2f} mm/mA"
     axes.annotate(words, (ends[0], 1e3 * place), xytext=(15, -75), textcoords="offset points", color=INK,
                   arrowprops={"arrowstyle": "-", "color": GREY})  # fmt: skip
     axes.set(xlabel="current [mA]", ylabel="position [mm]", title="valve set `calibrated`")

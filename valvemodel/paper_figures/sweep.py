@@ -146,8 +146,10 @@ def _draw_loop(axes: Axes, loop: SettledLoop, title: str) -> None:
     axes.plot(current, position, color="#cccccc", linewidth=1.0, zorder=1)
     for number, (colour, mark, size, label) in enumerate(CURVES):
         chosen = curves == number
-        style = {"color": colour, "markersize": size, "fillstyle": "none" if number == 3 else "full"}
-        axes.plot(current[chosen], position[chosen], mark, label=label, zorder=2, **style)
+        axes.plot(
+            current[chosen], position[chosen], mark, label=label, zorder=2, color=colour, markersize=size,
+            fillstyle="none" if number == 3 else "full",
+        )  # fmt: skip
         if chosen.any():
             middle = np.flatnonzero(chosen)[int(chosen.sum()) // 2]
             axes.annotate(

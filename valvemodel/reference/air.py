@@ -40,7 +40,8 @@ class Air:
     def share(self, instant: float) -> float:
         """Return the pressure at rest over that of the supply, an instant after the hold began."""
         current = self.electromagnet.current_after(instant)
-        return resting_pressure(self.numbers, self.gap(instant), current) / self.numbers.supply_pressure
+        opening = gap(self.numbers, current, self.time + instant)
+        return resting_pressure(self.numbers, opening, current) / self.numbers.supply_pressure
 
     def hold(self, time: float, duration: float) -> Pressure:
         """Return the pressure through the current that the electromagnet holds from a time for a duration."""

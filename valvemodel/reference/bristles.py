@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
+from itertools import pairwise
 from math import copysign, exp
 from types import SimpleNamespace
 
-import numpy as np
-
 from valvemodel.reference.air import Pressure
-from valvemodel.reference.flow import flow
+from valvemodel.reference.flow import Flow, State, flow
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
@@ -41,7 +41,7 @@ class BristleStem:
         self.velocity = 0.0
         self.pressure: Pressure = lambda _: pressure
         self.time = 0.0
-        limit = self.limit(0.0, self.position, 0.0)
+        limit = sliding_limit(numbers, self.position, 0.0, pressure, 0.0)
         self.bristle = min(max(thrust(numbers, self.position, pressure, 0.0), -limit), limit)
 
     def hold(self, pressure: Pressure, time: float, duration: float) -> Iterator[tuple[Motion, float]]:
@@ -49,49 +49,72 @@ class BristleStem:
         self.pressure, self.time = pressure, time
         used = 0.0
         while used < duration:
-            motion, lasted = self.move(used, duration - used)
-            yield motion, lasted
+            held = self.position
+            found, lasted = self.move(used, duration - used)
+            if found is None:
+                yield partial(standing, held), lasted
+            else:
+                yield from one_way_parts(found, lasted)
             used = duration if lasted == duration - used else used + lasted
 
-    def move(self, begin: float, left: float) -> tuple[Motion, float]:
-        """Move until a turn, an end of the travel or the end of what is left; return the motion and its time."""
+    def move(self, begin: float, left: float) -> tuple[Flow | None, float]:
+        """Move until an end of the travel or the end of what is left; return the flow, if any, and its time."""
         if self.is_blocked(begin):
-            position = self.position
             is_free = not self.is_blocked(begin + left)
-            lasted = first_instant(lambda t: not self.is_blocked(begin + t), left) if is_free else left
-            return lambda _: (position, 0.0), lasted
-        side = copysign(1.0, self.velocity or self.net(begin, self.position, self.bristle))
+            return None, first_instant(lambda t: not self.is_blocked(begin + t), left) if is_free else left
 
-        def slope(instant: float, state: np.ndarray) -> tuple[float, float, float]:
+        def slope(instant: float, state: State) -> State:
+            n, time, pressure = self.numbers, self.time + begin + instant, self.pressure(begin + instant)
             position, velocity, bristle = state
-            net = self.net(begin + instant, position, bristle) - viscous_friction(self.numbers, side) * velocity
-            limit = self.limit(begin + instant, position, velocity)
-            bending = (velocity - abs(velocity) * bristle / limit) / self.numbers.presliding_compliance
-            return velocity, net / self.numbers.stem_mass, bending
+            damping = viscous_friction(n, copysign(1.0, velocity))
+            net = thrust(n, position, pressure, time) - bristle - damping * velocity
+            limit = sliding_limit(n, position, velocity, pressure, time)
+            bending = (velocity - abs(velocity) * bristle / limit) / n.presliding_compliance
+            return [velocity, net / n.stem_mass, bending]
 
-        def has_ended(_: float, state: np.ndarray) -> bool:
-            return side * state[1] < 0.0 or not self.lowest <= state[0] <= self.highest
+        def is_beyond(_: float, state: State) -> bool:
+            return not self.lowest <= state[0] <= self.highest
 
-        start = (self.position, self.velocity, self.bristle)
-        motion, lasted, has_stopped = flow(slope, start, left, FINEST, has_ended)
-        self.position, self.velocity, self.bristle = (float(each) for each in motion(lasted))
-        if has_stopped:
+        found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
+        self.position, self.velocity, self.bristle = found(lasted)
+        if has_hit:
             self.position, self.velocity = min(max(self.position, self.lowest), self.highest), 0.0
-        return lambda instant: (float(motion(instant)[0]), float(motion(instant)[1])), lasted
-
-    def net(self, instant: float, position: float, bristle: float) -> float:
-        """Return the force on the stem but for its viscous friction. [N]"""
-        return thrust(self.numbers, position, self.pressure(instant), self.time + instant) - bristle
+        return found, lasted
 
     def is_blocked(self, instant: float) -> bool:
         """Return whether an end of the travel holds the stem."""
-        net = self.net(instant, self.position, self.bristle)
+        net = thrust(self.numbers, self.position, self.pressure(instant), self.time + instant) - self.bristle
         is_at_end = self.position >= self.highest if net > 0.0 else self.position <= self.lowest
         return self.velocity == 0.0 and is_at_end
 
-    def limit(self, instant: float, position: float, velocity: float) -> float:
-        """Return the friction that the bristles approach at a speed. [N]"""
-        n, side = self.numbers, copysign(1.0, velocity) if velocity else 0.0
-        friction = coulomb_friction(n, side, position, self.pressure(instant), self.time + instant)
-        decay = n.stribeck_velocity if n.stribeck_ratio > 1.0 else STATIC_DECAY
-        return max(friction * (1.0 + (breakaway_ratio(n) - 1.0) * exp(-abs(velocity) / decay)), LEAST)
+
+def sliding_limit(n: SimpleNamespace, position: float, velocity: float, pressure: float, time: float) -> float:
+    """Return the friction that the bristles approach at a velocity. [N]"""
+    side = copysign(1.0, velocity) if velocity else 0.0
+    friction = coulomb_friction(n, side, position, pressure, time)
+    decay = n.stribeck_velocity if n.stribeck_ratio > 1.0 else STATIC_DECAY
+    return max(friction * (1.0 + (breakaway_ratio(n) - 1.0) * exp(-abs(velocity) / decay)), LEAST)
+
+
+def one_way_parts(found: Flow, lasted: float) -> Iterator[tuple[Motion, float]]:
+    """Yield the parts of a flow between the instants at which the velocity changes its sign."""
+    begin, looks = 0.0, [instant for instant in found.ends if instant < lasted] + [lasted]
+    cuts = []
+    for low, high in pairwise([0.0, *looks]):
+        side = found(low)[1]
+        if side * found(high)[1] < 0.0:
+            cuts.append(low + first_instant(lambda t: side * found(low + t)[1] <= 0.0, high - low))  # noqa: B023
+    for end in [*cuts, lasted]:
+        if end > begin:
+            yield partial(later, found, begin), end - begin
+        begin = end
+
+
+def later(found: Flow, begin: float, instant: float) -> State:
+    """Return a flow an instant after one of its parts began."""
+    return found(begin + instant)
+
+
+def standing(position: float, _: float) -> State:
+    """Return the motion of a stem that stands still."""
+    return [position, 0.0]

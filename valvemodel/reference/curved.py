@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from math import ceil, exp
 from types import SimpleNamespace
 
-import numpy as np
-
 from valvemodel.reference.air import Pressure, moves
-from valvemodel.reference.flow import flow
+from valvemodel.reference.flow import State, flow
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.motion import CREEP, HELD, STOP_SPEED
 from valvemodel.reference.slip import Motion
@@ -69,40 +67,40 @@ class CurvedStem:
         if self.side == 0.0:
             self.side = 1.0 if self.thrust(begin, self.position) > 0.0 else -1.0
 
-        def slope(instant: float, state: np.ndarray) -> tuple[float, float]:
-            return state[1], self.acceleration(begin + instant, state[0], state[1])
+        def slope(instant: float, state: State) -> State:
+            return [state[1], self.acceleration(begin + instant, state[0], state[1])]
 
-        def has_ended(instant: float, state: np.ndarray) -> bool:
+        def has_ended(instant: float, state: State) -> bool:
             return self.has_ended(begin + instant, state[0], state[1])
 
-        motion, lasted, has_stopped = flow(slope, (self.position, self.velocity), left, FINEST, has_ended)
-        self.position, self.velocity = (float(each) for each in motion(lasted))
+        motion, lasted, has_stopped = flow(slope, [self.position, self.velocity], left, FINEST, has_ended)
+        self.position, self.velocity = motion(lasted)
         if has_stopped:
             self.come_to_rest(min(max(self.position, self.lowest), self.highest))
         return motion, lasted
+
+    def acceleration(self, instant: float, position: float, velocity: float) -> float:
+        """Return the acceleration of a slip, eq. (6), friction falling with the speed (Stribeck). [m/s^2]"""
+        n, side, time, pressure = self.numbers, self.side, self.time + instant, self.pressure(instant)
+        relative = (abs(velocity) / n.stribeck_velocity) ** n.stribeck_shape
+        friction = coulomb_friction(n, side, position, pressure, time) * (
+            1.0 + (n.stribeck_ratio - 1.0) * exp(-relative)
+        )
+        resisting = side * friction + viscous_friction(n, side) * velocity
+        return (thrust(n, position, pressure, time) - resisting) / n.stem_mass
 
     def thrust(self, instant: float, position: float) -> float:
         """Return what drives the stem. [N]"""
         return thrust(self.numbers, position, self.pressure(instant), self.time + instant)
 
-    def friction(self, instant: float, side: float, position: float) -> float:
-        """Return the Coulomb friction to a side. [N]"""
-        return coulomb_friction(self.numbers, side, position, self.pressure(instant), self.time + instant)
-
-    def acceleration(self, instant: float, position: float, velocity: float) -> float:
-        """Return the acceleration of a slip, eq. (6), friction falling with the speed (Stribeck). [m/s^2]"""
-        n, side = self.numbers, self.side
-        relative = (abs(velocity) / n.stribeck_velocity) ** n.stribeck_shape
-        friction = self.friction(instant, side, position) * (1.0 + (n.stribeck_ratio - 1.0) * exp(-relative))
-        resisting = side * friction + viscous_friction(n, side) * velocity
-        return (self.thrust(instant, position) - resisting) / n.stem_mass
-
     def is_held(self, instant: float, position: float) -> bool:
         """Return whether friction, or an end of the travel, holds a stem that is at rest at a position."""
-        net = self.thrust(instant, position)
+        n, time, pressure = self.numbers, self.time + instant, self.pressure(instant)
+        net = thrust(n, position, pressure, time)
         side = 1.0 if net > 0.0 else -1.0
         is_blocked = position >= self.highest if side > 0.0 else position <= self.lowest
-        return is_blocked or abs(net) <= HELD * breakaway_ratio(self.numbers) * self.friction(instant, side, position)
+        friction = coulomb_friction(n, side, position, pressure, time)
+        return is_blocked or abs(net) <= HELD * breakaway_ratio(n) * friction
 
     def time_held(self, begin: float, left: float) -> float:
         """Return how long a stem that holds goes on holding, at most what is left. [s]"""

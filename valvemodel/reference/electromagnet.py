@@ -50,6 +50,8 @@ class Electromagnet:
 
 def saturated(n: SimpleNamespace, current: float) -> float:
     """Return the current, bent above the knee: i - (1 - r) ramp(i - i_k), a ramp that is 0 at no current. [A]"""
+    if n.saturation_slope == 1.0:
+        return current
     return current - (1.0 - n.saturation_slope) * (ramp(n, current) - ramp(n, 0.0))
 
 

@@ -6,9 +6,7 @@ from math import sqrt
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from valvemodel.reference.flow import flow
+from valvemodel.reference.flow import State, flow
 
 if TYPE_CHECKING:
     from valvemodel.reference.air import Air
@@ -44,7 +42,7 @@ class Stretch:
         self.air, self.numbers, self.begin = air, air.numbers, begin
         self.is_rising = self.tends_up(begin, air.sag, air.supplied)
         self.gain = self.numbers.droop_gain if self.is_rising else 0.0
-        start = (air.sag - self.gain * air.supplied, air.chamber, air.filled)
+        start = [air.sag - self.gain * air.supplied, air.chamber, air.filled]
         self.flow, lasted, _ = flow(self.slope, start, end - begin, FINEST, self.has_turned)
         self.end = begin + lasted
 
@@ -58,29 +56,29 @@ class Stretch:
         recovery = (sag - sag_to_settle(n, share)) / n.droop_recovery_time
         return (n.supply_pressure - sag) * trend + share * recovery > 0.0
 
-    def has_turned(self, instant: float, state: np.ndarray) -> bool:
+    def has_turned(self, instant: float, state: State) -> bool:
         """Return whether the supplied pressure has begun to go the other way."""
         if self.numbers.droop_gain == 0.0:
             return False
         supplied = self.supplied(instant, state)
         return self.tends_up(self.begin + instant, state[0] + self.gain * supplied, supplied) != self.is_rising
 
-    def supplied(self, instant: float, state: np.ndarray) -> float:
+    def supplied(self, instant: float, state: State) -> float:
         """Return the share of the sagging supply. [Pa]"""
         share = self.air.share(self.begin + instant)
         return (self.numbers.supply_pressure - state[0]) * share / (1.0 + self.gain * share)
 
-    def slope(self, instant: float, state: np.ndarray) -> tuple[float, float, float]:
+    def slope(self, instant: float, state: State) -> State:
         """Return the rates of sag (but for what a rise draws), chamber and amplifier. [Pa/s]"""
         n, supplied = self.numbers, self.supplied(instant, state)
         sag = state[0] + self.gain * supplied
         settled = sag_to_settle(n, self.air.share(self.begin + instant))
         target = state[1] if n.chamber_filling_time > 0.0 else supplied
-        return (
+        return [
             (settled - sag) / n.droop_recovery_time,
             chamber_slope(n, state[1], supplied, self.air.gap(self.begin + instant)),
             filled_slope(n, state[2], target),
-        )
+        ]
 
     def state_after(self, instant: float) -> tuple[float, float, float, float]:
         """Return supplied pressure, sag, chamber and amplifier an instant after the hold began. [Pa]"""

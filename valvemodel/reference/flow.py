@@ -12,10 +12,10 @@ from valvemodel.reference.instant import first_instant
 TOLERANCE = 1e-12
 """Relative error of a step."""
 
-LOOKS = 6
+LOOKS = 4
 """In how many places of a step it is looked whether the flow has ended."""
 
-Slope = Callable[[float, np.ndarray], Sequence[float]]
+State = list[float]
 
 
 class Flow:
@@ -25,17 +25,18 @@ class Flow:
         self.ends: list[float] = []
         self.pieces: list[Callable[[float], np.ndarray]] = []
 
-    def __call__(self, instant: float) -> np.ndarray:
+    def __call__(self, instant: float) -> State:
         """Return the state at an instant."""
-        return self.pieces[min(bisect_left(self.ends, instant), len(self.pieces) - 1)](instant)
+        piece = self.pieces[min(bisect_left(self.ends, instant), len(self.pieces) - 1)]
+        return piece(instant).tolist()
 
 
 def flow(
-    slope: Slope,
-    start: Sequence[float],
+    slope: Callable[[float, State], State],
+    start: State,
     duration: float,
     finest: Sequence[float],
-    has_ended: Callable[[float, np.ndarray], bool] = lambda _, __: False,
+    has_ended: Callable[[float, State], bool] = lambda _, __: False,
 ) -> tuple[Flow, float, bool]:
     """Follow a slope from a start for a duration, or until it has ended; return the flow, its end, and whether it did.
 
@@ -43,19 +44,24 @@ def flow(
     """
     from scipy.integrate import DOP853
 
-    solver = DOP853(slope, 0.0, np.array(start, float), duration, rtol=TOLERANCE, atol=np.array(finest))
+    def rates(instant: float, state: np.ndarray) -> State:
+        return slope(float(instant), state.tolist())
+
+    solver = DOP853(rates, 0.0, np.array(start), duration, rtol=TOLERANCE, atol=np.array(finest))
     found = Flow()
     while solver.status == "running":
         solver.step()
-        piece = solver.dense_output()
-        found.ends.append(solver.t)
-        found.pieces.append(piece)
-        looked = solver.t_old
+        if solver.status == "failed":
+            raise ArithmeticError(f"no step is short enough at {solver.t} s")
+        begin, end = float(solver.t_old), float(solver.t)
+        found.ends.append(end)
+        found.pieces.append(solver.dense_output())
+        looked = begin
         for look in range(1, LOOKS + 1):
-            instant = solver.t_old + look / LOOKS * (solver.t - solver.t_old)
-            if has_ended(instant, piece(instant)):
+            instant = begin + look / LOOKS * (end - begin)
+            if has_ended(instant, found(instant)):
                 since = looked
-                lasted = first_instant(lambda t: has_ended(since + t, piece(since + t)), instant - since)  # noqa: B023
+                lasted = first_instant(lambda t: has_ended(since + t, found(since + t)), instant - since)  # noqa: B023
                 return found, since + lasted, True
             looked = instant
     return found, duration, False

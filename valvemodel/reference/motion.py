@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from types import SimpleNamespace
 
+from valvemodel.reference.air import Pressure
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion, first_stop, slip
 from valvemodel.reference.stem import (
@@ -36,11 +37,11 @@ class Stem:
         self.velocity = 0.0
         self.side = 0.0
 
-    def hold(self, pressure: float, duration: float) -> Iterator[tuple[Motion, float]]:
+    def hold(self, pressure: Pressure, _: float, duration: float) -> Iterator[tuple[Motion, float]]:
         """Hold a pressure for a duration; yield each stretch of motion to one side, and how long it takes."""
-        left = duration
+        left, held = duration, pressure(0.0)
         while left > 0.0:
-            motion, used = self.move(pressure, left)
+            motion, used = self.move(held, left)
             yield motion, used
             left -= used
 
@@ -65,8 +66,8 @@ class Stem:
         acceleration = self.acceleration(position, velocity, pressure)
         stop = first_stop(**body, speed=side * velocity, acceleration=side * acceleration)
         used = min(stop, left)
-        if self.has_ended(*motion(used), pressure):
-            stop = used = first_instant(lambda t: self.has_ended(*motion(t), pressure), used)
+        if self.has_ended(pressure, *motion(used)):
+            stop = used = first_instant(lambda t: self.has_ended(pressure, *motion(t)), used)
         self.position, self.velocity = motion(used)
         if stop <= left:
             self.come_to_rest(min(max(self.position, self.lowest), self.highest))
@@ -86,7 +87,7 @@ class Stem:
         is_blocked = position >= self.highest if side > 0.0 else position <= self.lowest
         return is_blocked or abs(net) <= HELD * breakaway_ratio(self.numbers) * friction
 
-    def has_ended(self, position: float, velocity: float, pressure: float) -> bool:
+    def has_ended(self, pressure: float, position: float, velocity: float) -> bool:
         """Return whether a slip is beyond the travel, or has slowed down to a creep where friction holds the stem."""
         is_beyond = position > self.highest if self.side > 0.0 else position < self.lowest
         is_slow = self.side * velocity < STOP_SPEED

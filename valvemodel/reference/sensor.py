@@ -31,7 +31,7 @@ class Sensor:
 
         def linkage(instant: float) -> float:
             """Play: the stem takes the linkage along once it touches."""
-            position, _ = motion(instant)
+            position = motion(instant)[0]
             play = self.numbers.backlash_half_width
             return min(max(before, position - play), position + play)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import atan2, exp, expm1, inf, pi, sqrt
 
-Motion = Callable[[float], tuple[float, float]]
-"""Position [m] and velocity [m/s] after a duration [s]."""
+Motion = Callable[[float], Sequence[float]]
+"""Position [m], velocity [m/s] and what else moves, after a duration [s]."""
 
 
 def slip(*, mass: float, damping: float, stiffness: float, force: float, position: float, velocity: float) -> Motion:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from benchmarks.simulation.ours import model_of
@@ -19,6 +21,11 @@ def run(stem: Stem, pressures: np.ndarray, setting: str) -> np.ndarray:
     positions = np.empty(len(pressures))
     for sample, pressure in enumerate(pressures.tolist()):
         positions[sample] = moving.position
-        for _ in moving.hold(pressure, PERIOD):
+        for _ in moving.hold(partial(held, pressure), 0.0, PERIOD):
             pass
     return positions
+
+
+def held(pressure: float, _: float) -> float:
+    """Return a pressure that stands still. [Pa]"""
+    return pressure

@@ -29,6 +29,7 @@ from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
+from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import NextExperiment
@@ -188,8 +189,8 @@ class Diagnosis:
 
 
 def diagnose(
-    records: Sequence[Record],
-    model: Model,
+    records: Record | Sequence[Record],
+    model: Model | None = None,
     *,
     candidates: Sequence[str] | None = None,
     jobs: int | None = None,
@@ -199,10 +200,10 @@ def diagnose(
 
     Parameters
     ----------
-    records : sequence of Record
+    records : Record or sequence of Record
         Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
     model : Model
-        The valve as given; its base parameters are where the refit begins.
+        The valve as given, by default the set `calibrated`; its base parameters are where the refit begins.
     candidates : sequence of str or None
         Keys of the effects that may be the cause; by default all that the records can show.
     jobs : int or None
@@ -219,6 +220,10 @@ def diagnose(
     InputError
         If a candidate is no effect, or a single record is too short to keep a part of it back.
     """
+    records = [records] if isinstance(records, Record) else records
+    if model is None:
+        valve = read_valve("calibrated")
+        model = Model(valve.name, valve.values)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
