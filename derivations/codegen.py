@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from derivations.glossary import LETTERS
 from derivations.printer import Printer
 from derivations.sources import Source, sources
+from derivations.symmetry_table import render_symmetries
 
 VELOCITY_BAND = 1e-4  # m/s, the paper's epsilon
 _WIDTH = 120
@@ -42,7 +43,7 @@ SYMBOLIC = Dialect(
 def render() -> dict[str, str]:
     """Return the text of each generated file by its path from the repository's root."""
     functions = sources()
-    return {dialect.path: _module(dialect, functions) for dialect in (NUMERIC, SYMBOLIC)}
+    return {dialect.path: _module(dialect, functions) for dialect in (NUMERIC, SYMBOLIC)} | render_symmetries()
 
 
 def _module(dialect: Dialect, functions: tuple[Source, ...]) -> str:

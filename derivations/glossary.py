@@ -64,6 +64,10 @@ _NOZZLE = (
     Letter("delta", "gap", "m", "distance from nozzle to flapper"),
     Letter("delta_max", "maximum_gap", "m", "that distance with no current"),
     Letter("K", "flow_ratio", "1/m^2", "16 C_q2^2 D_2^2 / (C_q1^2 D_1^4)"),
+    Letter(
+        "P_0", "pressure_at_zero_current", "Pa", "offset of a straight current-pressure line; not in the paper", "any"
+    ),
+    Letter("P_i", "pressure_per_current", "Pa/A", "slope of a straight current-pressure line; not in the paper"),
 )
 _ELECTROMAGNET = (
     Letter("x", "air_gap", "m", "travel of the flapper in (12), air gap of the magnet in (22)"),

@@ -2,7 +2,6 @@
 
 import json
 import re
-import runpy
 import subprocess
 import sys
 import tomllib
@@ -102,13 +101,6 @@ def test_version_is_the_same_everywhere():
     version = PROJECT["version"]
     assert f"## [{version}]" in text_of("CHANGELOG.md")
     assert f"version: {version}" in text_of("CITATION.cff")
-
-
-@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.py")), ids=lambda path: path.name)
-def test_notebook_runs(path: Path, monkeypatch, capsys):
-    monkeypatch.chdir(ROOT)
-    runpy.run_path(str(path))
-    assert "verdict" in capsys.readouterr().out
 
 
 def test_help_starts_without_the_heavy_libraries():

@@ -5,10 +5,9 @@ from __future__ import annotations
 import importlib
 import io
 import os
-import time
 import tokenize
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -18,6 +17,7 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.simulation import ours
+from benchmarks.simulation.stopwatch import seconds_of, shortest_time
 from benchmarks.simulation.truth import DIGITS, exact_positions, loop_pressures
 from benchmarks.simulation.workload import STEMS, Stem, steps, triangle
 
@@ -39,9 +39,6 @@ REPEATS = 40
 
 SHORT = 0.05
 """A run that is shorter is repeated. [s]"""
-
-LONG = 0.4
-"""A measurement that has taken so long is not repeated. [s]"""
 
 
 @dataclass(frozen=True)
@@ -120,17 +117,19 @@ def time_peer(peer: ModuleType, workload: Workload, stretch: int) -> dict[str, A
 def measure(peer: ModuleType, workload: Workload, setting: Any, periods: int) -> dict[str, Any]:
     """Return digits and time of a peer at a setting on the first periods; a peer that breaks off has no digits."""
     pressures = workload.pressures[:periods]
-    with silenced():
-        began = time.perf_counter()
-        try:
-            getattr(peer, "prepare", lambda *_: None)(workload.stem, pressures, setting)
-            began = time.perf_counter()
+    positions = np.full(periods, np.nan)
+
+    def run() -> None:
+        nonlocal positions
+        # What a peer raises where it cannot go on; what it got through is no answer.
+        with suppress(RuntimeError, ValueError, ArithmeticError):
             positions = peer.run(workload.stem, pressures, setting)
-            seconds = time.perf_counter() - began
-            if seconds < SHORT:
-                seconds = min(seconds, shortest_time(lambda: peer.run(workload.stem, pressures, setting), 5))
-        except (RuntimeError, ValueError, ArithmeticError):
-            positions, seconds = np.full(periods, np.nan), time.perf_counter() - began
+
+    with silenced():
+        getattr(peer, "prepare", lambda *_: None)(workload.stem, pressures, setting)
+        seconds = seconds_of(run)
+        if seconds < SHORT:
+            seconds = min(seconds, shortest_time(run, 5))
     digits = workload.best_digits(positions)
     return {
         **named(workload),
@@ -145,18 +144,6 @@ def measure(peer: ModuleType, workload: Workload, setting: Any, periods: int) ->
 def named(workload: Workload) -> dict[str, Any]:
     """Return what a workload is called."""
     return {"stem": workload.stem_name, "workload": workload.title}
-
-
-def shortest_time(work: Callable[[], object], repeats: int) -> float:
-    """Return the shortest of several times, fewer where they are long. [s]"""
-    shortest, whole = np.inf, time.perf_counter()
-    for _ in range(repeats):
-        if time.perf_counter() - whole > LONG:
-            break
-        began = time.perf_counter()
-        work()
-        shortest = min(shortest, time.perf_counter() - began)
-    return shortest
 
 
 def installed_peers() -> tuple[dict[str, ModuleType], list[str]]:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulation.contest import shortest_time
 from benchmarks.simulation.ours import DEFAULT, FINER, SEARCH, Accuracy, chain_run
+from benchmarks.simulation.stopwatch import shortest_time
 from benchmarks.simulation.workload import PERIOD
 from valvemodel.declarations import STAGES
 from valvemodel.model import Model

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulation.contest import shortest_time
 from benchmarks.simulation.ours import DEFAULT
+from benchmarks.simulation.stopwatch import shortest_time
 from benchmarks.simulation.workload import PERIOD, set_point
 from valvemodel.chain import CURRENT, advance_period, start_chain
 from valvemodel.compiled import compiled

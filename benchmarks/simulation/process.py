@@ -11,16 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulation.contest import shortest_time
 from benchmarks.simulation.effects import currents
+from benchmarks.simulation.stopwatch import shortest_process
 from benchmarks.simulation.workload import PERIOD
 
 ROWS = 7_500
-
-
-def run(*words: str) -> subprocess.CompletedProcess[str]:
-    """Run Python with these words."""
-    return subprocess.run([sys.executable, *words], check=True, capture_output=True, text=True)
+NUMBA = ("-c", "import numba")
 
 
 def time_processes(repeats: int) -> dict[str, Any]:
@@ -29,22 +25,23 @@ def time_processes(repeats: int) -> dict[str, Any]:
         source, out = Path(folder) / "in.csv", Path(folder) / "out.csv"
         table = np.column_stack([PERIOD * np.arange(ROWS), 1e3 * currents(ROWS)])
         np.savetxt(source, table, delimiter=",", header="time [s],current [mA]", comments="", fmt="%.6f")
-        words = ("-m", "valvemodel", "simulate", "--input", str(source), "--out", str(out))
-        run(*words)
-        whole = shortest_time(lambda: run(*words), repeats)
-    bare = shortest_time(lambda: run("-c", "pass"), repeats)
+        command = ("-m", "valvemodel", "simulate", "--input", str(source), "--out", str(out))
+        shortest_process(command, 1)
+        whole = shortest_process(command, repeats)
+    imported = shortest_process(("-c", "import valvemodel.simulation"), repeats)
     return {
         "rows": ROWS,
-        "command_seconds": whole,
-        "import_seconds": shortest_time(lambda: run("-c", "import valvemodel.simulation"), repeats) - bare,
-        "import_seconds_of_numba": shortest_time(lambda: run("-c", "import numba"), repeats) - bare,
+        **{f"command_{name}": value for name, value in whole.items()},
+        **{f"python_and_import_{name}": value for name, value in imported.items()},
+        **{f"python_and_numba_{name}": value for name, value in shortest_process(NUMBA, repeats).items()},
         "import_seconds_by_importtime": import_seconds("valvemodel.simulation"),
     }
 
 
 def import_seconds(module: str) -> float:
     """Return the cumulative time that `-X importtime` gives a module. [s]"""
-    lines = run("-X", "importtime", "-c", f"import {module}").stderr.splitlines()
+    command = [sys.executable, "-X", "importtime", "-c", f"import {module}"]
+    lines = subprocess.run(command, check=True, capture_output=True, text=True).stderr.splitlines()
     (found,) = (line for line in lines if line.endswith(f" {module}"))
     cumulative = re.findall(r"\d+", found)[1]
     return 1e-6 * int(cumulative)

@@ -5,13 +5,16 @@ import pytest
 from control_samples import START, made_up_calibration, valve_of
 
 from valvemodel.control.branches import branches_of
-from valvemodel.control.calibration import FALLING_CURRENTS, RISING_CURRENTS, self_calibrate
-from valvemodel.control.contest import calibration_json, make_bench
+from valvemodel.control.calibration import LOADS, self_calibrate
+from valvemodel.control.contest import make_bench
+from valvemodel.control.contest_json import calibration_json
 from valvemodel.control.controller import Controller
 from valvemodel.control.laws.settings import BRANCH_LINE, MEAN_LINE
 from valvemodel.control.loop import run_compiled
 from valvemodel.control.scenario import held_levels
 from valvemodel.errors import InputError
+
+RISING_CURRENTS, FALLING_CURRENTS = LOADS[0]
 
 
 def branch_current(model, position, side):
@@ -53,7 +56,7 @@ def test_width_on_the_linear_valve_is_the_true_one():
 
 def test_calibration_on_bent_branches_is_35_to_40_of_the_closed_form():
     model = valve_of("calibrated")
-    rising, falling = np.array(RISING_CURRENTS), np.array(FALLING_CURRENTS)
+    rising, falling = (np.array(each) for each in LOADS[0])
     up, down = branch_position(model, rising, 1.0), branch_position(model, falling, -1.0)
     slope = np.mean([np.mean(np.diff(y) / np.diff(i)) for i, y in ((rising, up), (falling, down))])
     width = (np.mean(down - slope * falling) - np.mean(up - slope * rising)) / slope
@@ -79,7 +82,7 @@ def test_error_of_the_width_on_bent_branches_is_stated():
     ("rising", "falling"),
     [
         ((13e-3, 12e-3, 19e-3), FALLING_CURRENTS),
-        (RISING_CURRENTS, (8e-3, 11e-3, 14e-3)),
+        (RISING_CURRENTS, (4.5e-3, 8.5e-3, 12.5e-3)),
         ((13e-3, 16e-3, 21e-3), FALLING_CURRENTS),
         ((5e-3, 6e-3, 7e-3), FALLING_CURRENTS),
         (RISING_CURRENTS, (19.5e-3, 11e-3, 8e-3)),
@@ -88,7 +91,12 @@ def test_error_of_the_width_on_bent_branches_is_stated():
 )
 def test_loads_that_calibrate_nothing_are_refused(rising, falling):
     with pytest.raises(InputError):
-        self_calibrate(valve_of(), rising_currents=rising, falling_currents=falling)
+        self_calibrate(valve_of(), loads=[(rising, falling)])
+
+
+def test_loads_farther_apart_are_taken_where_breakaway_needs_them():
+    assert tuple(self_calibrate(valve_of(ratio=1.1)).falling[:, 0]) == LOADS[0][1]
+    assert tuple(self_calibrate(valve_of(ratio=2.0)).falling[:, 0]) == LOADS[1][1]
 
 
 def test_a_valve_that_friction_holds_is_refused():

@@ -5,8 +5,10 @@ import pytest
 from control_samples import valve_of
 
 from valvemodel.control import tuning
-from valvemodel.control.claims import FACTORS, KEYS, READ, Grid, claims_of, findings_of, run_grid
+from valvemodel.control.claims import claims_of, findings_of
 from valvemodel.control.contest import hold_contest, make_bench
+from valvemodel.control.contest_json import contest_json
+from valvemodel.control.grid import FACTORS, KEYS, READ, Grid, run_grid
 from valvemodel.control.kinds import KINDS, kind_of
 from valvemodel.control.scenario import held_levels
 from valvemodel.errors import InputError
@@ -57,7 +59,7 @@ def test_self_calibration_alone_stays_off_on_bent_branches_and_the_landing_does_
 
 
 def test_json_has_every_kind_with_settings_and_measures(contest):
-    content = contest.as_json()
+    content = contest_json(contest)
     assert [each["key"] for each in content["controllers"]] == [kind.key for kind in KINDS]
     for each in content["controllers"]:
         assert len(each["steps"]) == len(contest.scenario.steps)

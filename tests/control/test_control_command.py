@@ -22,7 +22,7 @@ def test_contest_writes_its_files(command, tmp_path):
         "--duration", "2 s", "--period", "20 ms", "--tuning-runs", "40", "--out", "contest",
     )  # fmt: skip
     assert done.exit_code == 0, done.output
-    assert "self-calibration: I_threshold 3.7" in done.output
+    assert "self-calibration: I_threshold 3.6" in done.output
     folder = tmp_path / "contest"
     assert {path.name for path in folder.iterdir()} == {"control.json", "control.csv", "control.png", "control.svg"}
     content = json.loads((folder / "control.json").read_text())

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from valvemodel.commands.control_answer import print_contest, print_findings
 from valvemodel.commands.given import valve_model, valve_option, with_effects
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
 if TYPE_CHECKING:
-    from valvemodel.control.claims import Grid
     from valvemodel.control.contest import Contest
+    from valvemodel.control.grid import Grid
     from valvemodel.model import Model
-
-_PIPED_WIDTH = 160
 
 
 @click.command(
@@ -78,7 +76,7 @@ Examples:
     type=click.IntRange(min=40),
     default=400,
     show_default=True,
-    help="Settings that each controller may try; the same number for all.",
+    help="Settings that each controller may try; the same number for all; fewer for a slow valve.",
 )
 @click.option(
     "--claims",
@@ -143,7 +141,7 @@ def control(
     for note in notes:
         click.echo(note, err=True)
     if tests_claims:
-        from valvemodel.control.claims import COARSE, FACTORS, run_grid
+        from valvemodel.control.grid import COARSE, FACTORS, run_grid
 
         with progress_shown() as progress:
             grid = run_grid(
@@ -153,7 +151,7 @@ def control(
                 progress=progress,
             )
         places = write_together(out, lambda folder: _write_grid(grid, folder))
-        _print_grid(grid)
+        print_findings(grid)
     else:
         from valvemodel.control.contest import hold_contest
 
@@ -167,7 +165,7 @@ def control(
                 progress=progress,
             )
         places = write_together(out, lambda folder: _write_contest(contest, folder))
-        _print_contest(contest)
+        print_contest(contest)
     for name, place in places.items():
         click.echo(f"{name:13s} {place}")
 
@@ -190,12 +188,13 @@ def _levels(text: str, model: Model) -> list[float]:
 
 def _write_contest(contest: Contest, folder: Path) -> dict[str, Path]:
     from valvemodel.control.contest_figure import draw_contest
+    from valvemodel.control.contest_json import contest_json
     from valvemodel.files import write_json
     from valvemodel.records import write_table
 
     names = ("control.json", "control.csv", "control.png", "control.svg")
     places = {name: folder / name for name in names}
-    write_json(places["control.json"], contest.as_json())
+    write_json(places["control.json"], contest_json(contest))
     columns = {"time [s]": contest.scenario.time, "setpoint [mm]": 1e3 * contest.scenario.setpoint}
     for entry in contest.entries:
         columns[f"{entry.kind.key} current [mA]"] = 1e3 * entry.run.current
@@ -215,74 +214,3 @@ def _write_grid(grid: Grid, folder: Path) -> dict[str, Path]:
     write_json(places["claims.json"], as_json(grid))
     draw_claims(grid, places["claims.png"])
     return places
-
-
-def _print_contest(contest: Contest) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
-    click.echo(_calibration_line(contest))
-    headings = (
-        "controller", "settled", "after [s]", "over [mm]", "off [mm]", "∫|e| [mm s]",
-        "turns", "way [mm]", "cycle [mm]", "cycle [s]",
-    )  # fmt: skip
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in headings:
-        table.add_column(escape(heading), justify="left" if heading == "controller" else "right", no_wrap=True)
-    for entry in contest.entries:
-        measured = entry.overall
-        lengths = [1e3 * measured[name] for name in _LENGTHS]
-        table.add_row(
-            entry.kind.title,
-            f"{100 * measured['settled_share']:.0f} %",
-            _number(measured["settling_time"]),
-            *(_number(value) for value in lengths[:3]),
-            f"{measured['reversals']:.0f}",
-            *(_number(value) for value in lengths[3:]),
-            _number(measured["limit_cycle_period"]),
-        )
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=_PIPED_WIDTH)
-    console.print(table)
-    click.echo(_LEGEND)
-    if contest.has_one_friction:
-        click.echo(
-            "static equals sliding friction here, so nothing sticks and slips: "
-            "see --effect static_friction:static_friction_ratio=1.3"
-        )
-
-
-_LENGTHS = ("overshoot", "steady_error", "integral_absolute_error", "travelled_distance", "limit_cycle_amplitude")
-
-
-_LEGEND = (
-    "settled: share of set points kept within 1 % of the travel, after the mean time; over: largest overshoot; off: "
-    "largest steady error;\nturns: reversals of the stem; way: travelled distance; cycle: amplitude and period of "
-    "lasting oscillation"
-)
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "none"
-
-
-def _calibration_line(contest: Contest) -> str:
-    """Say what self-calibration found and how far the loop's true width is from it along the travel."""
-    from valvemodel.control.contest import calibration_json
-
-    found = calibration_json(contest.bench)
-    widths = ", ".join(
-        f"{1e3 * each['value']:.2f} mA {each['where']} ({100 * each['error_of_threshold']:+.1f} %)"
-        for each in found["true_width"]
-    )
-    return f"self-calibration: I_threshold {1e3 * found['threshold']['value']:.3f} mA; true width of the loop {widths}"
-
-
-def _print_grid(grid: Grid) -> None:
-    from valvemodel.control.claims import findings_of
-
-    for text in findings_of(grid):
-        click.echo(f"- {text}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from valvemodel.control.branches import MOVED
 from valvemodel.control.laws.settings import HIGHEST_CURRENT, LOWEST_CURRENT
 from valvemodel.control.loop import coarse
 from valvemodel.control.scenario import check_conditions
@@ -15,10 +16,14 @@ from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.stepping import SteppedValve
 
-RISING_CURRENTS = (13e-3, 16e-3, 19e-3)
-FALLING_CURRENTS = (14e-3, 11e-3, 8e-3)
-"""Loads of steps 1 and 2, which the paper does not give. From 4 and 20 mA on they leave the loop even where the
-static friction is twice the sliding one, and reach over most of the travel. [A]"""
+Loads = tuple[Sequence[float], Sequence[float]]
+
+LOADS: tuple[Loads, ...] = (
+    ((13e-3, 16e-3, 19e-3), (15e-3, 12e-3, 9e-3)),
+    ((13e-3, 16e-3, 19e-3), (12.5e-3, 8.5e-3, 4.5e-3)),
+)
+"""Loads of steps 1 and 2, which the paper does not give, from 4 and 20 mA on: first where rise and fall lie close
+together, so that bent branches mislead least; then farther apart, beyond the loop of twice the sliding friction. [A]"""
 
 SETTLING = 5.0
 """Time from a load to its record. [s]"""
@@ -71,8 +76,7 @@ class Calibration:
 def self_calibrate(
     model: Model,
     *,
-    rising_currents: Sequence[float] = RISING_CURRENTS,
-    falling_currents: Sequence[float] = FALLING_CURRENTS,
+    loads: Sequence[Loads] = LOADS,
     settling: float = SETTLING,
     noise: float = 0.0,
     resolution: float = 0.0,
@@ -83,7 +87,8 @@ def self_calibrate(
     Parameters
     ----------
     model : Model
-    rising_currents, falling_currents : sequences of three floats [A]
+    loads : sequence of pairs
+        Three rising and three falling currents; the first pair whose every load moves the stem is taken. [A]
     settling : float
         Time from a load to its record. [s]
     noise, resolution : float
@@ -99,20 +104,42 @@ def self_calibrate(
     ----------
     Paper, steps 1-3 of section 3, eqs. (35)-(40).
     """
-    _check_loads(rising_currents, falling_currents)
     check_conditions(period=settling, noise=noise, resolution=resolution)
+    for rising, falling in loads:
+        _check_loads(rising, falling)
     drawn = np.random.default_rng(seed).normal(scale=noise, size=7)
+    for number, (rising, falling) in enumerate(loads):
+        start, records = _carry_out(model, rising, falling, settling, drawn, resolution)
+        load = _unmoved(model, start, records)
+        if load is None:
+            break
+        if number == len(loads) - 1:
+            raise InputError(
+                "each load of a self-calibration moves the stem along its branch",
+                f"{model.name}: at {1e3 * records[load, 0]:g} mA it stayed within the loop",
+                "choose currents farther from where the direction turns",
+            )
+    return Calibration(records[:3], records[3:])
+
+
+def _carry_out(
+    model: Model,
+    rising: Sequence[float],
+    falling: Sequence[float],
+    settling: float,
+    drawn: np.ndarray,
+    resolution: float,
+) -> tuple[float, np.ndarray]:
+    """Return the reading at the start, and the current and reading of each load."""
     valve = SteppedValve(model, current=LOWEST_CURRENT)
     start = coarse(valve.reading + drawn[6], resolution)
     rows: list[tuple[float, float]] = []
-    for current in (*rising_currents, *falling_currents):
+    for current in (*rising, *falling):
         if len(rows) == 3:
             valve.step(HIGHEST_CURRENT, settling)
         valve.step(current, settling)
         rows.append((current, coarse(valve.reading + drawn[len(rows)], resolution)))
-    records = np.array(rows)
-    _check_moves(model, start, records)
-    return Calibration(records[:3], records[3:])
+    return start, np.array(rows)
 
 
 def _check_loads(rising: Sequence[float], falling: Sequence[float]) -> None:
@@ -127,14 +154,8 @@ def _check_loads(rising: Sequence[float], falling: Sequence[float]) -> None:
         )
 
 
-def _check_moves(model: Model, start: float, records: np.ndarray) -> None:
-    """Refuse records of a stem that stayed where it was: they lie inside the loop, not on a branch."""
+def _unmoved(model: Model, start: float, records: np.ndarray) -> int | None:
+    """Return the load at which the stem stayed where it was, within the loop and on no branch; or none."""
     moves = np.diff(np.r_[start, records[:, 1]])
     moves[3:] *= -1.0
-    if not moves.min() > 1e-3 * model.values["rated_travel"]:
-        load = int(np.argmin(moves))
-        raise InputError(
-            "each load of a self-calibration moves the stem along its branch",
-            f"{model.name}: at {1e3 * records[load, 0]:g} mA it stayed within the loop",
-            "choose currents farther from where the direction turns",
-        )
+    return None if moves.min() > MOVED * model.values["rated_travel"] else int(np.argmin(moves))

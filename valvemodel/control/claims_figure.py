@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from valvemodel.control.claims import KEYS, Grid, claims_of, shares_along
+from valvemodel.control.claims import claims_of, shares_along
+from valvemodel.control.grid import KEYS, Grid
 from valvemodel.control.kinds import kind_of
 
 PLANES = (

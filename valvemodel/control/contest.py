@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
-
-import numpy as np
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from valvemodel.control.branches import branches_of
 from valvemodel.control.calibration import self_calibrate
 from valvemodel.control.controller import Controller
 from valvemodel.control.kinds import KINDS, Kind
-from valvemodel.control.laws.settings import CHOICES, SETTING_PARAMETERS
 from valvemodel.control.loop import Run
-from valvemodel.control.measures import BAND_SHARE, UNITS, Measures, measures_of, overall
+from valvemodel.control.measures import Measures, measures_of, overall
 from valvemodel.control.scenario import Scenario, check_conditions, held_levels
-from valvemodel.control.tuning import AGEING, BUDGET, WEAR, Bench, cost, tune
+from valvemodel.control.side_by_side import side_by_side
+from valvemodel.control.tuning import BUDGET, Bench, cost, tune
 from valvemodel.errors import InputError
 from valvemodel.model import Model
-
-SCHEMA = "valvemodel.control/1"
 
 JUDGED = (0.50, 0.75, 0.71, 0.40, 0.45, 0.90, 0.20)
 """Set points of the contest as shares of the reach: long and short steps, with and against the last one."""
 
-TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15, 0.35, 0.95, 0.88, 0.65)
+TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15)
 """Set points of the tuning as shares of the reach."""
 
 START_CURRENT = 12e-3
@@ -65,26 +60,6 @@ class Contest:
     def has_one_friction(self) -> bool:
         """Whether the valve's static friction is its sliding one, so that a slip can be as short as one likes."""
         return self.bench.branches.slip_jump == 0.0
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the content of control.json."""
-        return {
-            "schema": SCHEMA,
-            "model": self.bench.model.as_json(),
-            "scenario": scenario_json(self.scenario),
-            "training": scenario_json(self.training),
-            "tuning": {
-                "cost": "mean absolute error + 1 s x mean speed of travel beyond what the set points ask for",
-                "wear": {"value": WEAR, "unit": "s"},
-                "valves": f"as it is, and with friction grown by {100 * AGEING:g} %; the mean of both counts",
-                "settings_tried": self.budget,
-                "method": "differential evolution, then Nelder-Mead, over the logarithms of the settings",
-            },
-            "settling_band": {"value": BAND_SHARE * self.bench.model.values["rated_travel"], "unit": "m"},
-            "calibration": calibration_json(self.bench),
-            "units": UNITS,
-            "controllers": [_entry_json(entry) for entry in self.entries],
-        }
 
 
 def hold_contest(
@@ -142,11 +117,14 @@ def hold_contest(
     check_levels(levels or (), low, high)
     scenario = held(levels or [low + share * (high - low) for share in JUDGED], 3 * seed + 2)
     training = held([low + share * (high - low) for share in TRAINED], 3 * seed + 1)
-    entries: list[Entry] = []
-    for index, kind in enumerate(kinds):
-        progress(f"tuning {kind.title}", index / len(kinds))
-        entries.append(_enter(bench, kind, scenario, training, budget, entries))
-    progress("done", 1.0)
+    tuned_kinds = [kind for kind in kinds if not kind.tuned_as]
+    tunings = side_by_side(
+        lambda kind, go_on: tune(bench, kind, training, budget=budget, go_on=go_on),
+        tuned_kinds,
+        lambda done: progress(f"tuning {len(kinds)} controllers", done),
+    )
+    found = {kind.key: tuning for kind, tuning in zip(tuned_kinds, tunings, strict=True)}
+    entries = [_enter(bench, kind, scenario, *found[kind.tuned_as or kind.key]) for kind in kinds]
     return Contest(bench, scenario, training, budget, entries)
 
 
@@ -180,78 +158,8 @@ def measure(run: Run, scenario: Scenario, model: Model) -> list[Measures]:
     ]
 
 
-def _enter(
-    bench: Bench, kind: Kind, scenario: Scenario, training: Scenario, budget: int, before: Sequence[Entry]
-) -> Entry:
-    model_entry = next((entry for entry in before if entry.kind.key == kind.tuned_as), None)
-    if model_entry is None:
-        tuned, least = tune(bench, kind, training, budget=budget)
-    else:
-        tuned = {each.name: model_entry.controller.settings[each.name] for each in kind.tunables}
-        least = model_entry.training_cost
+def _enter(bench: Bench, kind: Kind, scenario: Scenario, tuned: Mapping[str, float], least: float) -> Entry:
     controller = bench.controller(kind, tuned)
     run = bench.run(controller, scenario)
     steps = measure(run, scenario, bench.model)
     return Entry(kind, controller, least, cost(run), run, steps, overall(steps))
-
-
-def scenario_json(scenario: Scenario) -> dict[str, Any]:
-    """Return set points and conditions with their units."""
-    levels = [float(scenario.setpoint[part.start]) for part in scenario.steps]
-    return {
-        "setpoints": {"value": levels, "unit": "m"},
-        "duration": {"value": scenario.period * len(scenario.setpoint), "unit": "s"},
-        "period": {"value": scenario.period, "unit": "s"},
-        "noise": {"value": float(np.std(scenario.noise)), "unit": "m"},
-        "resolution": {"value": scenario.resolution, "unit": "m"},
-        "load": {"value": float(np.max(np.abs(scenario.load))), "unit": "N"},
-    }
-
-
-def calibration_json(bench: Bench) -> dict[str, Any]:
-    """Return what self-calibration found, beside the true widths of the loop."""
-    found = bench.calibration
-    low, high = bench.branches.reach
-    places = {"low": low, "middle": 0.5 * (low + high), "high": high}
-    return {
-        "records": {
-            "current": {"value": [*found.rising[:, 0], *found.falling[:, 0]], "unit": "A"},
-            "position": {"value": [*found.rising[:, 1], *found.falling[:, 1]], "unit": "m"},
-        },
-        "slope": {"value": found.slope, "unit": "m/A"},
-        "rising_intercept": {"value": found.rising_intercept, "unit": "m"},
-        "falling_intercept": {"value": found.falling_intercept, "unit": "m"},
-        "threshold": {"value": found.threshold, "unit": "A"},
-        "true_width": [
-            {
-                "where": name,
-                "position": {"value": place, "unit": "m"},
-                "value": (width := float(bench.branches.width(place))),
-                "unit": "A",
-                "error_of_threshold": found.threshold / width - 1.0,
-            }
-            for name, place in places.items()
-        ],
-    }
-
-
-_UNITS_OF_SETTINGS = {name: "1" for name in CHOICES} | {each.name: each.unit for each in SETTING_PARAMETERS}
-
-
-def _entry_json(entry: Entry) -> dict[str, Any]:
-    return {
-        "key": entry.kind.key,
-        "title": entry.kind.title,
-        "source": entry.kind.source,
-        "knows": entry.kind.knows,
-        "tuned": [tunable.name for tunable in entry.kind.tunables],
-        "tuned_as": entry.kind.tuned_as or entry.kind.key,
-        "settings": {
-            name: {"value": value, "unit": _UNITS_OF_SETTINGS[name]}
-            for name, value in entry.controller.settings.items()
-        },
-        "training_cost": {"value": entry.training_cost, "unit": "m"},
-        "cost": {"value": entry.cost, "unit": "m"},
-        "steps": [asdict(step) for step in entry.steps],
-        "overall": entry.overall,
-    }

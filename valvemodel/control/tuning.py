@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,10 +85,18 @@ class Bench:
         return run_compiled(model or self.model, controller, scenario, start_current=self.start_current)
 
 
-def tune(bench: Bench, kind: Kind, scenario: Scenario, *, budget: int = BUDGET) -> tuple[dict[str, float], float]:
+def tune(
+    bench: Bench,
+    kind: Kind,
+    scenario: Scenario,
+    *,
+    budget: int = BUDGET,
+    go_on: Callable[[], None] = lambda: None,
+) -> tuple[dict[str, float], float]:
     """Return the settings of least cost that a budget of runs finds, and that cost [m]; the same at every call.
 
     Differential evolution (Storn and Price 1997) over the box of the logarithms, then Nelder and Mead's simplex.
+    `go_on` is called before each run and may raise.
     """
     if not kind.tunables:
         return {}, bench.training_cost(bench.controller(kind, {}), scenario)
@@ -102,6 +110,7 @@ def tune(bench: Bench, kind: Kind, scenario: Scenario, *, budget: int = BUDGET) 
     def try_out(place: np.ndarray) -> float:
         if len(tried) >= budget:
             return np.inf
+        go_on()
         place = np.clip(place, low, high)
         tried.append((bench.training_cost(bench.controller(kind, _named(kind, place)), scenario), place))
         return tried[-1][0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from valvemodel.control.contest import Contest, hold_contest
+from valvemodel.control.contest_json import contest_json
 from valvemodel.control.kinds import KINDS
 from valvemodel.control.tuning import BUDGET
 from valvemodel.drawing import BLUE, GREEN, INK, VERMILLION
@@ -66,7 +67,7 @@ def _words(entry: Any) -> str:
 
 def comparison_json(contest: Contest) -> dict[str, Any]:
     """Return the data behind the figure."""
-    content = contest.as_json()
+    content = contest_json(contest)
     content["courses"] = {
         "time": {"value": contest.scenario.time, "unit": "s"},
         "setpoint": {"value": contest.scenario.setpoint, "unit": "m"},
