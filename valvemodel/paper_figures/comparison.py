@@ -28,7 +28,10 @@ DEVIATION = 20.0
 
 
 def compare(progress: Callable[[str, float], None]) -> Contest:
-    """Tune the three alike, and what they take their tuning from, and run them on the valve set `calibrated` with breakaway friction."""
+    """Tune the three alike and run them on `calibrated` with breakaway friction.
+
+    Beside them runs what one of them takes its tuning from.
+    """
     valve = read_valve("calibrated")
     needed = {*COMPARED, *(kind.tuned_as for kind in KINDS if kind.key in COMPARED)}
     kinds = [kind for kind in KINDS if kind.key in needed]
