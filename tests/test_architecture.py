@@ -29,6 +29,7 @@ START_UP = {
 }
 DOORS = (
     "valvemodel",
+    "valvemodel.linear",
     "valvemodel.records",
     "valvemodel.valves",
     "derivations",

@@ -28,9 +28,13 @@ DEVIATION = 20.0
 
 
 def compare(progress: Callable[[str, float], None]) -> Contest:
-    """Tune the three alike and run them on the valve set `calibrated` with breakaway friction."""
+    """Tune the three alike and run them on `calibrated` with breakaway friction.
+
+    Beside them runs what one of them takes its tuning from.
+    """
     valve = read_valve("calibrated")
-    kinds = [kind for kind in KINDS if kind.key in COMPARED]
+    needed = {*COMPARED, *(kind.tuned_as for kind in KINDS if kind.key in COMPARED)}
+    kinds = [kind for kind in KINDS if kind.key in needed]
     return hold_contest(Model(valve.name, valve.values, EFFECTS), kinds=kinds, budget=BUDGET, progress=progress)
 
 
