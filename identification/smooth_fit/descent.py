@@ -43,7 +43,9 @@ def descend_smooth(
     return Found(result.x, float(result.cost))
 
 
-def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
+def narrowed(
+    residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]
+) -> Iterator[tuple[float, Found]]:
     """Yield what is found at each width, beginning at the last one's point."""
     point = start
     for width in widths:
@@ -52,8 +54,10 @@ def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[flo
         yield width, found
 
 
-def narrowed_by_shooting(problem: Problem, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
-    """Yield the same by multiple shooting: it needs no guess, and ten times as long."""
+def narrowed_by_shooting(
+    problem: Problem, start: np.ndarray, widths: Sequence[float]
+) -> Iterator[tuple[float, Found]]:
+    """Yield the same by multiple shooting, in ten times as long."""
     program = ShootingProgram(problem)
     point, nodes = start, None
     for width in widths:

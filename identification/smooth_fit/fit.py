@@ -72,7 +72,7 @@ def fit_smooth(
     widths : sequence of float
         Smoothing widths, from wide to narrow. [N]
     is_multiple : bool
-        Whether by multiple shooting with IPOPT instead of one run through each record: slower, and free of the guess.
+        Whether the last descent is by multiple shooting with IPOPT instead of one run through each record: slower.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
@@ -87,7 +87,7 @@ def fit_smooth(
     ]
     problem = Problem(model, experiments, unknowns, used or measured(experiments))
     residuals = SmoothResiduals(problem)
-    point = np.zeros(len(unknowns)) if is_multiple else _best_start(residuals, widths[0])
+    point = _best_start(residuals, widths[0])
     for number, key in enumerate(effects, 1):
         *_, (_, found) = narrowed(residuals, point, widths)
         progress(key, number / steps)

@@ -10,7 +10,7 @@ from identification.problem import Problem
 from identification.unknowns import Unknown
 from valvemodel.model import Model
 from valvemodel.smooth.chain import WIDTH, SmoothChain, parts_for
-from valvemodel.smooth.delay import delayed_current
+from valvemodel.smooth.delay import delayed_current, finer
 
 LOST = 1e6
 """Residual of a run that is not finite. [noise]"""
@@ -47,8 +47,10 @@ class _Run:
         self._columns, self._count = columns, len(problem.unknowns)
         self._unknowns = [problem.unknowns[column] for column in columns]
         chain = chain_for(problem.model, self._experiment)
+        self._parts, self._delay = chain.parts, chain.model.numbers.get("transport_delay", 0.0)
+        self._durations = np.diff(finer(self._experiment.time, chain.parts))
         self._compose(chain, len(self._experiment.time))
-        self._arriving = arriving_function(self._experiment, "transport_delay" in chain.parameters)
+        self._arriving = arriving_function(self._experiment, chain)
 
     def _compose(self, chain: SmoothChain, count: int) -> None:
         """Make the recursions: of the state, and of the state with its derivatives by the unknowns."""
@@ -68,7 +70,7 @@ class _Run:
         given, stacked = ca.vertcat(q, width), ca.vertcat(x, ca.vec(s))
         plain = ca.Function("plain", [x, u, given], [after])
         both = ca.Function("both", [stacked, u, given], [ca.vertcat(after, ca.vec(moved))])
-        self._plain, self._both = (_through(each, chain.parts, count - 1) for each in (plain, both))
+        self._plain, self._both = (each.mapaccum((count - 1) * chain.parts) for each in (plain, both))
         first, current = ca.SX.sym("first"), ca.SX.sym("current")
         start = chain.start(first, current, p)
         where = [each.experiment >= 0 for each in self._unknowns].index(True)
@@ -86,9 +88,13 @@ class _Run:
 
     def _held(self, given: np.ndarray) -> np.ndarray:
         names = [unknown.name for unknown in self._unknowns]
-        delay = given[names.index("transport_delay")] if "transport_delay" in names else 0.0
+        delay = given[names.index("transport_delay")] if "transport_delay" in names else self._delay
         arriving, slope = self._arriving(delay)
-        return np.vstack([arriving.full(), np.diff(self._experiment.time), slope.full()])
+        return np.vstack([arriving.full(), self._durations, slope.full()])
+
+    def _at_rows(self, states: ca.DM) -> ca.DM:
+        """Return the states at the ends of periods out of those at the ends of parts."""
+        return states[:, self._parts - 1 :: self._parts]
 
     def _weighted(self, outputs: np.ndarray) -> np.ndarray:
         """Weight rows of readings and pressures, shape (2, n, ...), as residuals that count."""
@@ -101,7 +107,7 @@ class _Run:
     def residuals(self, point: np.ndarray, width: float) -> np.ndarray:
         given = self._given(point, width)
         start, _ = self._start(self._experiment.current[0], given)
-        states = self._plain(start, self._held(given), given)
+        states = self._at_rows(self._plain(start, self._held(given), given))
         outputs = self._read(ca.horzcat(start, states), given).full()
         measured = np.zeros_like(outputs)
         measured[0] = self._experiment.position
@@ -113,7 +119,7 @@ class _Run:
     def jacobian(self, point: np.ndarray, width: float) -> np.ndarray:
         given = self._given(point, width)
         start = ca.vertcat(*self._start(self._experiment.current[0], given))
-        states = self._both(start, self._held(given), given)
+        states = self._at_rows(self._both(start, self._held(given), given))
         slopes = self._slopes(ca.horzcat(start, states), given).full()
         scale = [unknown.slope(value) for unknown, value in zip(self._unknowns, given[:-1], strict=True)]
         by_output = slopes.reshape(len(scale), 2, -1).transpose(1, 2, 0) * np.array(scale)
@@ -136,20 +142,11 @@ def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: ca.SX | ca.MX,
     return ca.vertcat(*(q[names.index(name)] if name in names else numbers[name] for name in chain.parameters))
 
 
-def arriving_function(experiment: Experiment, is_delayed: bool) -> ca.Function:
-    """Return the function from a delay [s] to the current that arrives in each period, and its derivative."""
+def arriving_function(experiment: Experiment, chain: SmoothChain) -> ca.Function:
+    """Return the function from a delay [s] to the current that arrives in each part, and its derivative."""
     delay = ca.MX.sym("delay")
-    if is_delayed:
-        arriving = delayed_current(experiment.time, experiment.current, delay)
+    if "transport_delay" in chain.parameters:
+        arriving = delayed_current(experiment.time, experiment.current, delay, chain.parts)
     else:
-        arriving = ca.MX(ca.DM(experiment.current[:-1]).T)
+        arriving = ca.MX(ca.DM(np.repeat(experiment.current[:-1], chain.parts)).T)
     return ca.Function("arriving", [delay], [arriving, ca.jacobian(arriving, delay).T])
-
-
-def _through(part: ca.Function, parts: int, count: int) -> ca.Function:
-    """Return the recursion over all periods, each cut into parts, that keeps the state at each period's end."""
-    if parts == 1:
-        return part.mapaccum(count)
-    x, u, p = (ca.MX.sym(name, part.size1_in(number)) for number, name in enumerate("xup"))
-    held = ca.repmat(ca.vertcat(u[0], u[1] / parts, u[2]), 1, parts)
-    return ca.Function("period", [x, u, p], [part.fold(parts)(x, held, p)]).mapaccum(count)

@@ -9,6 +9,7 @@ from identification.problem import Problem
 from identification.search import Found
 from identification.smooth_fit.residuals import arriving_function, chain_for, parameters_of
 from identification.unknowns import Unknown
+from valvemodel.smooth.delay import finer
 
 SEGMENT_TIME = 2.0
 """Usual length of a segment. [s]"""
@@ -63,16 +64,18 @@ class ShootingProgram:
         count = len(experiment.time) - 1
         length = max(round(SEGMENT_TIME / float(np.median(np.diff(experiment.time)))), 1)
         segments = -(-count // length)
-        delay = values[names.index("transport_delay")] if "transport_delay" in names else 0.0
-        arriving = arriving_function(experiment, "transport_delay" in names)(delay)[0]
-        held = ca.vertcat(arriving, ca.DM(np.diff(experiment.time)).T)
-        held = ca.horzcat(held, ca.repmat(held[:, -1], 1, segments * length - count))
+        is_unknown = "transport_delay" in names
+        delay = values[names.index("transport_delay")] if is_unknown else chain.model.numbers.get("transport_delay", 0.0)
+        durations = np.diff(finer(experiment.time, chain.parts))
+        held = ca.vertcat(arriving_function(experiment, chain)(delay)[0], ca.DM(durations).T)
+        long = length * chain.parts
+        held = ca.horzcat(held, ca.repmat(held[:, -1], 1, segments * long - count * chain.parts))
         scale = ca.DM([_scale(name) for name in chain.states])
         start = chain.start(values[names.index("start_position")], experiment.current[0], p)
         nodes = ca.MX.sym("nodes", len(chain.states), segments - 1)
         begins = ca.horzcat(start, nodes * scale)
-        through = chain.step.mapaccum(length).map(segments)
-        states = through(begins, held, ca.repmat(p, 1, segments * length))
+        through = chain.part.mapaccum(long).map(segments)
+        states = through(begins, held, ca.repmat(p, 1, segments * long))[:, chain.parts - 1 :: chain.parts]
         ends = states[:, length - 1 : (segments - 1) * length : length]
         jumps = (ends - begins[:, 1:]) / scale
         whole = ca.horzcat(start, states[:, :count])

@@ -14,7 +14,7 @@ import numpy as np
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.simulation import Trajectory, simulate
-from valvemodel.smooth.chain import SmoothChain, is_swinging, parts_for
+from valvemodel.smooth.chain import SmoothChain, parts_for
 from valvemodel.smooth.steering import HASTE, LEISURE, Steered, SteeringProgram
 
 CURRENT_RANGE = (4e-3, 20e-3)
@@ -29,11 +29,8 @@ MARGIN = 0.2
 WIDTH = 1.0
 """Smoothing width: 0.02 mm of the calibrated valve. [N]"""
 
-DETOUR = (100.0, 10.0)
-"""Widths through which a program goes that found no end at once. [N]"""
-
-HOPELESS = 1e-3
-"""A miss beyond which no detour is tried. [m]"""
+DETOUR = 30.0
+"""The width through which a program goes that found no end at once. [N]"""
 
 HOLD_TIME = 0.3
 """A move ends with a current that stands still for so long, and three of each of the valve's time constants. [s]"""
@@ -62,10 +59,10 @@ class Move:
     Attributes
     ----------
     trajectory : Trajectory
-        Of the exact valve, from the start until it has been watched at rest; its current is the move's.
+        Of the exact valve until it has been watched at rest: one period under the start's current, then the move.
     target : float [m]
     duration : float
-        From the first change of the current until the exact reading stays in the band; infinite where it does not. [s]
+        From the end of that period until the exact reading stays in the band; infinite where it does not. [s]
     overshoot : float
         By how much the exact reading goes beyond the target. [m]
     travel : float
@@ -160,7 +157,7 @@ def least_time(
     Returns
     -------
     Move
-        Of the fewest periods in which the program finds a way, run on the exact valve.
+        Of the fewest periods in which the program finds a way, run on the exact valve; never slower than the ramp.
 
     Raises
     ------
@@ -170,7 +167,8 @@ def least_time(
     task = _task(model, start_current, target, start_position, period, rate, current_range, band)
     arrival, ramp = _ramp(task)
     steered = _soonest(task, arrival, ramp, progress)[1]
-    return _run(task, ramp if steered is None else steered.current)
+    moves = [_run(task, ramp)] if steered is None else [_run(task, steered.current), _run(task, ramp)]
+    return min(moves, key=lambda move: (move.duration, move.overshoot))
 
 
 def least_travel(
@@ -299,21 +297,22 @@ def _soonest(task: Task, arrival: int, ramp: np.ndarray, progress: Progress) -> 
 
 
 def _solved(program: SteeringProgram, arrival: int, guess: np.ndarray, prices: tuple[float, float]) -> Steered:
-    """Solve at the narrow width, by way of wide ones where that does not succeed at once."""
+    """Solve at the narrow width, by way of the wide one where that does not end at once."""
     steered = program.solve(arrival, WIDTH, guess, prices)
-    if steered.reaches or steered.is_sound or steered.miss > HOPELESS:
+    if steered.is_sound:
         return steered
-    for width in (*DETOUR, WIDTH):
-        steered = program.solve(arrival, width, guess, prices)
-        guess = steered.unknowns
-    return steered
+    wide = program.solve(arrival, DETOUR, guess, prices)
+    if not wide.is_sound:
+        return steered
+    narrow = program.solve(arrival, WIDTH, wide.unknowns, prices)
+    return narrow if narrow.is_sound else wide
 
 
 def _program(task: Task, periods: int) -> SteeringProgram:
     low, high = task.ends
     margin = MARGIN * task.band
     return SteeringProgram(
-        SmoothChain(task.model, parts=parts_for(task.model, task.period), is_unbroken=not is_swinging(task.model)),
+        SmoothChain(task.model, parts=parts_for(task.model, task.period)),
         period=task.period,
         periods=periods,
         hold=task.hold,
@@ -326,17 +325,18 @@ def _program(task: Task, periods: int) -> SteeringProgram:
 
 
 def _exact(task: Task, current: np.ndarray) -> Trajectory:
-    """Run the exact valve under a move and watch it afterwards."""
-    watched = np.append(current, np.full(math.ceil(WATCH_TIME / task.period), current[-1]))
+    """Run the exact valve under a move, a period at the start's current before it, and watch it afterwards."""
+    after = np.full(math.ceil(WATCH_TIME / task.period), current[-1])
+    watched = np.concatenate([[task.start_current], current, after])
     time = task.period * np.arange(len(watched))
     return simulate(task.model, time=time, current=watched, start_position=task.start_position)
 
 
 def _periods_until(task: Task, trajectory: Trajectory) -> int:
-    """Return the first row from which on the reading stays in the band; one too many where it does not."""
+    """Return the periods of a move until the reading stays in the band; more than there are where it does not."""
     low, high = task.ends
     outside = np.flatnonzero((trajectory.position < low) | (trajectory.position > high))
-    return int(outside[-1]) + 1 if len(outside) else 0
+    return int(outside[-1]) if len(outside) else 0
 
 
 def _run(task: Task, current: np.ndarray) -> Move:
@@ -346,7 +346,7 @@ def _run(task: Task, current: np.ndarray) -> Move:
     return Move(
         trajectory=trajectory,
         target=task.target,
-        duration=arrival * task.period if arrival < len(trajectory.time) else math.inf,
+        duration=arrival * task.period if arrival + 1 < len(trajectory.time) else math.inf,
         overshoot=max(float(beyond.max()), 0.0),
-        travel=float(np.abs(np.diff(trajectory.current, prepend=task.start_current)).sum()),
+        travel=float(np.abs(np.diff(trajectory.current)).sum()),
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from valvemodel.model import Model
 from valvemodel.smooth import electromagnet, nozzle, sensor, stem
-from valvemodel.smooth.delay import delayed_current
+from valvemodel.smooth.delay import delayed_current, finer
 from valvemodel.smooth.rounding import Expression
 
 WIDTH = "smoothing_width"
@@ -35,10 +35,10 @@ LONGEST_PART = 5e-3
 """A part is not longer where forces or pressure bend within it. [s]"""
 
 BENDING = frozenset(
-    {"coil_lag", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag", "spring_hardening",
+    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag", "spring_hardening",
      "position_dependent_friction", "presliding", "stribeck"}
 )  # fmt: skip
-"""Effects that the closed form of a part takes as straight."""
+"""Effects that the closed form of a part takes as straight, or as its mean."""
 
 
 class SmoothChain:
@@ -50,9 +50,6 @@ class SmoothChain:
         Its effects that are switched on, and no others, enter the graph.
     parts : int
         Parts into which a period is cut; `parts_for` says how many it takes.
-    is_unbroken : bool
-        Whether a part is one motion, in which friction that would stop the stem stops it at the end: smoother for an
-        optimiser, and as good for a stem that does not swing; else the stem stops inside the part, where it stops.
 
     Attributes
     ----------
@@ -70,10 +67,10 @@ class SmoothChain:
         `start(reading, current, p) -> x`, at rest.
     """
 
-    def __init__(self, model: Model, *, parts: int = 1, is_unbroken: bool = False) -> None:
+    def __init__(self, model: Model, *, parts: int = 1) -> None:
         self.effects = frozenset(model.effects) - WITHOUT_SMOOTH_FORM
         numbers = {name: number for name, number in model.numbers.items() if math.isfinite(number)}
-        self.model, self.parts, self._is_unbroken = model, parts, is_unbroken
+        self.model, self.parts = model, parts
         self.parameters = (*numbers, WIDTH)
         self.states = (
             *electromagnet.states_of(self.effects),
@@ -98,7 +95,6 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects = self.effects
-        p.is_unbroken = self._is_unbroken and "static_friction" not in self.effects
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
         p.highest = [name for name in ("travel_max", "upper_stop") if name in self.parameters]
         p.lowest = [name for name in ("travel_min", "lower_stop") if name in self.parameters]
@@ -171,17 +167,11 @@ def parts_for(model: Model, period: float) -> int:
     period : float [s]
     """
     values, longest = model.values, math.inf
-    if is_swinging(model):
+    if values["viscous_friction"] ** 2 < 4.0 * values["stem_mass"] * values["spring_rate"]:
         longest = LONGEST_SWING * math.sqrt(values["stem_mass"] / values["spring_rate"])
     if BENDING & set(model.effects):
         longest = min(longest, LONGEST_PART)
     return max(1, math.ceil(period / longest - 1e-6))
-
-
-def is_swinging(model: Model) -> bool:
-    """Return whether the stem is less than critically damped."""
-    values = model.values
-    return values["viscous_friction"] ** 2 < 4.0 * values["stem_mass"] * values["spring_rate"]
 
 
 def run_smooth(
@@ -213,9 +203,9 @@ def run_smooth(
     values = {**chain.model.numbers, **(numbers or {})}
     p = chain.values(width, values)
     start = chain.start(start_position, current[0], p)
-    arriving = current[:-1]
+    arriving = np.repeat(current[:-1], chain.parts)
     if "transport_delay" in values:
-        arriving = ca.evalf(delayed_current(time, current, values["transport_delay"])).full()
-    held = np.vstack([arriving, np.diff(time)])
-    states = chain.step.mapaccum(len(time) - 1)(start, held, p)
+        arriving = ca.evalf(delayed_current(time, current, values["transport_delay"], chain.parts)).full()
+    held = np.vstack([arriving, np.diff(finer(time, chain.parts))])
+    states = chain.part.mapaccum(held.shape[1])(start, held, p)[:, chain.parts - 1 :: chain.parts]
     return np.asarray(chain.reading.map(len(time))(ca.horzcat(start, states), p)).ravel()

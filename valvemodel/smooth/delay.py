@@ -11,8 +11,14 @@ BEFORE = 1e6
 """The first current has stood at the line's entry for this long. [s]"""
 
 
-def delayed_current(time: np.ndarray, current: np.ndarray, delay: Expression) -> Expression:
-    """Return the mean over each period of a held current that a line delays, interpolated in its sum over time.
+def finer(time: np.ndarray, parts: int) -> np.ndarray:
+    """Return instants that cut each period into equal parts, shape ((n - 1) parts + 1,). [s]"""
+    within = np.diff(time)[:, None] * np.arange(parts) / parts
+    return np.append((time[:-1, None] + within).ravel(), time[-1])
+
+
+def delayed_current(time: np.ndarray, current: np.ndarray, delay: Expression, parts: int) -> Expression:
+    """Return the mean over each part of a period of a held current that a line delays.
 
     Parameters
     ----------
@@ -20,15 +26,18 @@ def delayed_current(time: np.ndarray, current: np.ndarray, delay: Expression) ->
     current : array, shape (n,) [A]
         Held from each row to the next.
     delay : expression [s]
+    parts : int
+        Parts of a period.
 
     Returns
     -------
-    MX, shape (1, n - 1) [A]
+    MX, shape (1, (n - 1) parts) [A]
+        Interpolated in the current's sum over time, so that it is differentiable in the delay.
     """
     knots = np.concatenate([[time[0] - BEFORE], time])
     held = np.concatenate([[current[0]], current[:-1]])
     charge = np.concatenate([[0.0], np.cumsum(held * np.diff(knots))])
-    passed = ca.interpolant("charge", "linear", [knots], charge - charge[1])
-    instants = ca.MX(ca.DM(time).T) - delay
-    through = passed.map(len(time))(instants)
-    return ca.diff(through, 1, 1) / ca.DM(np.diff(time)).T
+    instants = finer(time, parts)
+    passed = ca.interpolant("charge", "linear", [knots], charge - charge[1]).map(len(instants))
+    through = passed(ca.MX(ca.DM(instants).T) - delay)
+    return ca.diff(through, 1, 1) / ca.DM(np.diff(instants)).T

@@ -22,7 +22,7 @@ MISS_PRICE = 1000.0
 MISSED = 2e-5
 """A band that is missed by less is reached. [m]"""
 
-CURVATURE = 1e-6
+CURVATURE = 1e-2
 """What stands in for all curvature: the program is linear but for the chain, and its solution a corner."""
 
 GAP = 1e-5
