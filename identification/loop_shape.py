@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from identification.experiment import Experiment
 from identification.fit import Fit, finished
 from identification.search import Found
 from identification.uncertainty import blocks_of, covariance
@@ -56,6 +58,12 @@ class FittedShape:
         }
 
 
+def usual_step(experiments: Sequence[Experiment]) -> float:
+    """Return the middle size of the steps of the current. [A]"""
+    steps = np.abs(np.concatenate([np.diff(experiment.current) for experiment in experiments]))
+    return float(np.median(steps[steps > 0.0]))
+
+
 def shape_of_fit(fit: Fit) -> FittedShape | None:
     """Return the shape in the middle of the readings, or None where it is no loop or has no closed form."""
     experiments = fit.problem.experiments
@@ -64,10 +72,11 @@ def shape_of_fit(fit: Fit) -> FittedShape | None:
     readings = np.concatenate([experiment.position[np.isfinite(experiment.position)] for experiment in experiments])
     middle = 0.5 * float(readings.max() + readings.min())
     highest = CURRENT_MARGIN * max(float(experiment.current.max()) for experiment in experiments)
+    step = 0.0 if experiments[0].is_ramped else usual_step(experiments)
 
     def shape_at(point: np.ndarray) -> LoopShape:
         model = finished(fit.problem, Found(point, 0.0)).model
-        return shape_of_loop(model, position=middle, highest_current=highest)
+        return shape_of_loop(model, position=middle, highest_current=highest, step=step)
 
     point = fit.found.point
     steps = STEP * np.eye(len(point))

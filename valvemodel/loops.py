@@ -49,7 +49,7 @@ class LoopShape:
     slope : float [m/A]
         Mean slope of the two branches.
     height : float [m]
-        From the rising up to the falling branch at one current, 2 F_c / k.
+        From the rising up to the falling branch at the current in their middle; 2 F_c / k under a ramp.
     """
 
     position: float
@@ -105,8 +105,11 @@ def settle_loop(
     return readings[0]
 
 
-def shape_of_loop(model: Model, *, position: float, highest_current: float) -> LoopShape:
-    """Return width, slope and height of the major loop at a position.
+def shape_of_loop(model: Model, *, position: float, highest_current: float, step: float = 0.0) -> LoopShape:
+    r"""Return width, slope and height of the major loop at a position, as equal steps of the current show it.
+
+    A stem that overshoots by a share :math:`\rho` of its way leads each branch by :math:`\rho/(1 + \rho)` of what the
+    step moves it, so that a stepped loop is narrower than friction makes a ramped one.
 
     Parameters
     ----------
@@ -116,20 +119,26 @@ def shape_of_loop(model: Model, *, position: float, highest_current: float) -> L
         The stem's. [m]
     highest_current : float
         The branches are looked for from 0 to this. [A]
+    step : float
+        Of the current; 0 for a ramp. [A]
     """
     current = _checked(model, np.linspace(0.0, highest_current, CURRENTS))
-    pressure = np.empty((1, CURRENTS))
-    settle_rows(model.rows(), np.zeros(1, STATE), current, False, np.empty((1, CURRENTS)), pressure, pressure.copy())
-    numbers = model.numbers
+    rows, pressure = model.rows(), np.empty((1, CURRENTS))
+    settle_rows(rows, np.zeros(1, STATE), current, False, np.empty((1, CURRENTS)), pressure, pressure.copy())
+    numbers, rate = model.numbers, model.values["spring_rate"]
+    thrust = np.maximum.accumulate(numbers["diaphragm_area"] * pressure[0] - numbers["spring_preload"])
+    rise = np.gradient(thrust, current)
+    overshoot = overshoot_of(rows[0])
+    lead = overshoot / (1.0 + overshoot) * step * rise
     asymmetry = numbers.get("friction_asymmetry", 0.0)
-    rate = numbers["spring_rate"]
-    thrust = numbers["diaphragm_area"] * pressure[0] - numbers["spring_preload"]
-    thrust = np.maximum.accumulate(thrust)
-    slopes = np.gradient(thrust, current) / rate
-    friction = numbers["coulomb_friction"] * np.array([1.0 + asymmetry, asymmetry - 1.0])
-    crossed = np.interp(rate * position + friction, thrust, current)
-    slope = float(np.interp(crossed, current, slopes).mean())
-    return LoopShape(position, float(crossed[0] - crossed[1]), slope, float(friction[0] - friction[1]) / rate)
+    rising, falling = (
+        thrust - side * numbers["coulomb_friction"] * (1.0 + side * asymmetry) + side * lead for side in (1.0, -1.0)
+    )
+    crossed = [float(np.interp(rate * position, branch, current)) for branch in (rising, falling)]
+    slope = float(np.interp(crossed, current, rise).mean()) / rate
+    middle = 0.5 * (crossed[0] + crossed[1])
+    height = float(np.interp(middle, current, falling - rising)) / rate
+    return LoopShape(position, crossed[0] - crossed[1], slope, height)
 
 
 def _checked(model: Model, current: np.ndarray) -> np.ndarray:
