@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.parameters import MOST_NOTED
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
-from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
+from valvemodel.stages.line import enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import DRIFT_HOLD, advance_stem, glide, longest_hold, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
 from valvemodel.stages.sensor import (
@@ -23,6 +23,9 @@ from valvemodel.stages.stem import STUCK, put_stem, rest_stem
 
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
+
+TICKS = 1.26e12
+"""In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
 
 PART_GROWTH = 0.02
 """Part length over the time since the drive was switched, while the pressure moves."""
@@ -52,10 +55,24 @@ def has_pressure_dynamics(p):
 
 
 @compiled
+def maps_plainly(p):
+    """Return whether eqs. (16) and (31) alone give the pressure of a held current."""
+    return (
+        p.saturation_slope == 1.0
+        and p.hysteresis_half_width == 0.0
+        and p.gap_drift_rate == 0.0
+        and p.pressure_per_current == 0.0
+        and p.compressible_share == 0.0
+        and p.leak_ratio == 0.0
+        and not has_pressure_dynamics(p)
+    )
+
+
+@compiled
 def plan_run(p, state, driven_by, substep):
     """Write down once a run what does not change during it."""
     plan_stem(p, state)
-    state.lag_duration = state.period = -1.0
+    state.lag_duration = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     longest = longest_hold(p, substep)
     if p.gap_drift_rate != 0.0 and driven_by == CURRENT:
@@ -109,25 +126,35 @@ def move_by_events(p, state, memory, pressure, time, duration, tolerance):
         state.trace_next_velocity = state.trace_next_acceleration = 0.0
         step = advance_stem(p, state, pressure, time + used, left, tolerance)
         follow_stem(p, state, before, state.position, step)
+        if memory.notes_events == 1.0:
+            note_events(state, memory, time + used, step, before, mode_before)
         used += step
-        if memory.notes_events == 1.0 and state.mode != mode_before:
-            note_event(state, memory, time + used, mode_before)
     state.velocity = 0.0
     state.mode = STUCK
 
 
 @compiled
-def note_event(state, memory, time, mode_before):
-    """Write down a change of mode; where the table is full, only count it."""
+def note_events(state, memory, time, step, before, mode_before):
+    """Write down the changes of mode in one step of the stem, which may break away and stop again."""
+    moved = state.position - before
+    if mode_before == STUCK and (state.mode != STUCK or moved != 0.0):
+        side = state.mode if state.mode != STUCK else math.copysign(1.0, moved)
+        note_event(memory, time, before, 0.0, STUCK, side)
+        mode_before = side
+    if state.mode != mode_before:
+        speed = abs(state.trace_next_velocity)
+        note_event(memory, time + step, state.position, speed, mode_before, state.mode)
+
+
+@compiled
+def note_event(memory, time, position, speed_before, mode_before, mode_after):
+    """Write down an event; where the table is full, only count it."""
     index = int(memory.events_noted)
     memory.events_noted += 1.0
     if index < MOST_NOTED:
         event = memory.events[index]
-        event.time = time
-        event.position = state.position
-        event.speed_before = abs(state.trace_next_velocity)
-        event.mode_before = mode_before
-        event.mode_after = state.mode
+        event.time, event.position, event.speed_before = time, position, speed_before
+        event.mode_before, event.mode_after = mode_before, mode_after
 
 
 @inlined
@@ -178,17 +205,21 @@ def hold_delayed(p, state, memory, drive, time, duration, tolerance):
 
 
 @inlined
-def advance_period(p, state, memory, drive, time, duration, tolerance):
-    """Hold a drive from an instant for a duration."""
-    # Durations that differ by rounding alone are one, so that their closed form is computed once.
-    if abs(duration - state.period) > ROUNDING:
-        state.period = duration
+def whole_duration(span):
+    """Return a duration in whole ticks: those that differ by rounding alone share their closed forms. [s]"""
+    return math.floor(span * TICKS + 0.5) / TICKS
+
+
+@inlined
+def advance_period(p, state, memory, drive, time, span, tolerance):
+    """Hold a drive from an instant for a span of time."""
+    duration = whole_duration(span)
     if state.plan_delayed == 1.0:
-        hold_delayed(p, state, memory, drive, time, state.period, tolerance)
-    elif state.period <= state.plan_longest:
-        hold_drive(p, state, memory, drive, time, state.period, tolerance)
+        hold_delayed(p, state, memory, drive, time, duration, tolerance)
+    elif duration <= state.plan_longest:
+        hold_drive(p, state, memory, drive, time, duration, tolerance)
     else:
-        hold_in_parts(p, state, memory, drive, time, state.period, tolerance)
+        hold_in_parts(p, state, memory, drive, time, duration, tolerance)
 
 
 @compiled

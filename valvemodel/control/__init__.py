@@ -1,1 +1,1 @@
-"""How is the valve best moved? Controllers and optimal moves on the exact valve."""
+"""How does a valve follow its set point? Controllers, closed loops on the exact valve, measures, contests."""

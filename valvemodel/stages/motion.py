@@ -23,7 +23,6 @@ from valvemodel.stages.stem import (
     RISING,
     STUCK,
     breakaway_ratio,
-    driving_force,
     highest_position,
     is_linear,
     lowest_position,
@@ -87,37 +86,38 @@ def glide(p, state, pressure, duration):
     Nothing happens while the stem stays stuck, or slips at no less than the stop speed at both ends: a speed has at
     most one zero, or its zeros are half a swing apart and the duration is shorter.
     """
-    net = driving_force(pressure, state.position, p.diaphragm_area, p.spring_rate, p.spring_preload)
-    side = state.mode
+    side, push = state.mode, p.diaphragm_area * pressure - p.spring_preload
     if side == STUCK:
+        net = push - p.spring_rate * state.position
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
     if state.quiet_duration != duration or state.quiet_side != side:
         remember_glide(p, state, side, duration)
-    friction = state.plan_rising_friction if side > 0.0 else -state.plan_falling_friction
-    velocity = state.velocity
-    net -= friction
-    following = state.quiet_vv * velocity + state.quiet_vf * net
-    position = state.position + state.quiet_yv * velocity + state.quiet_yf * net
+    push -= state.quiet_friction
+    position = state.quiet_yf * push + state.quiet_yv * state.velocity + state.quiet_yy * state.position
+    velocity = state.quiet_vf * push + state.quiet_vy * state.position + state.quiet_vv * state.velocity
     is_quiet = (
-        side * velocity >= STOP_SPEED
-        and side * following >= STOP_SPEED
+        side * state.velocity >= STOP_SPEED
+        and side * velocity >= STOP_SPEED
         and state.plan_lowest <= position <= state.plan_highest
     )
     if is_quiet:
         state.position = position
-        state.velocity = following
+        state.velocity = velocity
     return is_quiet
 
 
 @compiled
 def remember_glide(p, state, side, duration):
-    """Write down how velocity and way follow from velocity and net force over a duration of one slip."""
+    """Write down how velocity and position follow from themselves and the force over a duration of one slip."""
     mass = p.stem_mass
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     vv, va, _, _, yv, ya = transition(mass, damping, p.spring_rate, duration)
     # The acceleration is the net force less the viscous friction, over the mass.
     state.quiet_vv, state.quiet_vf = vv - va * damping / mass, va / mass
     state.quiet_yv, state.quiet_yf = yv - ya * damping / mass, ya / mass
+    # The spring is taken out of the net force, so that the two sums of a period are short.
+    state.quiet_yy, state.quiet_vy = 1.0 - state.quiet_yf * p.spring_rate, -state.quiet_vf * p.spring_rate
+    state.quiet_friction = state.plan_rising_friction if side > 0.0 else -state.plan_falling_friction
     state.quiet_duration, state.quiet_side = duration, side
     discriminant = p.spring_rate / mass - (0.5 * damping / mass) ** 2
     if discriminant > 0.0 and math.sqrt(discriminant) * duration >= math.pi:
@@ -232,7 +232,9 @@ def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True
-            step = slip_end(mass, damping, stiffness, speed, start, coulomb - breakaway, step)
+            # Well inside what holds it, or rounding would let it break away anew.
+            excess = coulomb * (1.0 - breakaway_ratio(p) * (1.0 + 0.5 * HOLD))
+            step = slip_end(mass, damping, stiffness, speed, start, excess, step)
             vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start

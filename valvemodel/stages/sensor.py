@@ -202,6 +202,18 @@ def sensor_drift(p, time):
     return -p.sensor_drift_rate * p.sensor_drift_time * math.expm1(-time / p.sensor_drift_time)
 
 
+@compiled
+def reads_plainly(p):
+    """Return whether the reading is the position of the linkage."""
+    return (
+        p.sensor_time_constant == 0.0
+        and p.linkage_bow == 0.0
+        and p.linkage_skew == 0.0
+        and p.sensor_drift_rate == 0.0
+        and p.resolution == 0.0
+    )
+
+
 @inlined
 def read_sensor(p, state, time):
     """Return the reading at an instant. [m]"""
