@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -11,6 +13,7 @@ from identification.unknowns import Unknown
 from valvemodel.model import Model
 from valvemodel.smooth.chain import WIDTH, SmoothChain, parts_for
 from valvemodel.smooth.delay import delayed_current, finer
+from valvemodel.smooth.rounding import Expression
 
 LOST = 1e6
 """Residual of a run that is not finite. [noise]"""
@@ -135,11 +138,12 @@ def chain_for(model: Model, experiment: Experiment) -> SmoothChain:
     return SmoothChain(model, parts=parts_for(model, period))
 
 
-def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: ca.SX | ca.MX, width: ca.SX | ca.MX) -> ca.SX | ca.MX:
+def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: Expression, width: Expression) -> Expression:
     """Return the chain's p with values of unknowns and the width put in; the rest are the model's numbers."""
     names = [unknown.name for unknown in unknowns]
-    numbers = {**chain.model.numbers, WIDTH: width}
-    return ca.vertcat(*(q[names.index(name)] if name in names else numbers[name] for name in chain.parameters))
+    numbers: dict[str, Any] = {**chain.model.numbers, WIDTH: width}
+    values: list[Any] = [q[names.index(name)] if name in names else numbers[name] for name in chain.parameters]
+    return ca.vertcat(*values)
 
 
 def arriving_function(experiment: Experiment, chain: SmoothChain) -> ca.Function:

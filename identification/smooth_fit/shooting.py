@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 
@@ -13,9 +15,6 @@ from valvemodel.smooth.delay import finer
 
 SEGMENT_TIME = 2.0
 """Usual length of a segment. [s]"""
-
-SCALES = {"position": 1e-2, "linkage": 1e-2, "lagged_reading": 1e-2, "velocity": 1e-2, "time": 1.0, "hysteresis": 1.0}
-"""Size of a change of a state that counts; pressures and currents by their endings. [SI]"""
 
 IPOPT = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes"}
 """Libraries do not print."""
@@ -34,64 +33,17 @@ class ShootingProgram:
     def __init__(self, problem: Problem, *, has_exact_curvature: bool = False) -> None:
         self.problem = problem
         theta, self._width = ca.MX.sym("theta", len(problem.unknowns)), ca.MX.sym("width")
-        nodes, residuals, gaps, self._guess = [], [], [], []
-        for number in range(len(problem.experiments)):
-            own, left, jumps, first = self._segments(number, theta)
-            nodes.append(ca.vec(own))
-            residuals.append(left)
-            gaps.append(ca.vec(jumps))
-            self._guess.append(first)
+        segments = [_Segments(problem, number, theta, self._width) for number in range(len(problem.experiments))]
         spread = ca.DM([unknown.prior_spread for unknown in problem.unknowns])
-        left_over = ca.vertcat(*residuals, theta / spread)
-        self._count = theta.size1()
-        unknowns = ca.vertcat(theta, *nodes)
-        program = {"x": unknowns, "p": self._width, "f": 0.5 * ca.sumsqr(left_over), "g": ca.vertcat(*gaps)}
-        options = dict(IPOPT)
+        residuals = ca.vertcat(*(each.residuals for each in segments), theta / spread)
+        unknowns = ca.vertcat(theta, *(ca.vec(each.nodes) for each in segments))
+        jumps = ca.vertcat(*(each.jumps for each in segments))
+        self._program: Any = {"x": unknowns, "p": self._width, "f": 0.5 * ca.sumsqr(residuals), "g": jumps}
+        self._options: dict[str, Any] = dict(IPOPT)
         if not has_exact_curvature:
-            options["hess_lag"] = _gauss_newton(unknowns, self._width, left_over, program["g"])
-        self._options, self._program = options, program
-        self._first = ca.Function("first", [theta, self._width], [ca.vertcat(*self._guess)])
-
-    def _segments(self, number: int, theta: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX, ca.MX]:
-        """Return scaled node states, weighted residuals, scaled jumps and the nodes' guess of one experiment."""
-        experiment, used = self.problem.experiments[number], self.problem.used[number]
-        chain = chain_for(self.problem.model, experiment)
-        columns = [column for column, each in enumerate(self.problem.unknowns) if each.experiment in (-1, number)]
-        unknowns = [self.problem.unknowns[column] for column in columns]
-        values = ca.vertcat(*(_value(self.problem.unknowns[column], theta[column]) for column in columns))
-        names = [unknown.name for unknown in unknowns]
-        p = parameters_of(chain, unknowns, values, self._width)
-        count = len(experiment.time) - 1
-        length = max(round(SEGMENT_TIME / float(np.median(np.diff(experiment.time)))), 1)
-        segments = -(-count // length)
-        is_unknown = "transport_delay" in names
-        delay = (
-            values[names.index("transport_delay")] if is_unknown else chain.model.numbers.get("transport_delay", 0.0)
-        )
-        durations = np.diff(finer(experiment.time, chain.parts))
-        held = ca.vertcat(arriving_function(experiment, chain)(delay)[0], ca.DM(durations).T)
-        long = length * chain.parts
-        held = ca.horzcat(held, ca.repmat(held[:, -1], 1, segments * long - count * chain.parts))
-        scale = ca.DM([_scale(name) for name in chain.states])
-        start = chain.start(values[names.index("start_position")], experiment.current[0], p)
-        nodes = ca.MX.sym("nodes", len(chain.states), segments - 1)
-        begins = ca.horzcat(start, nodes * scale)
-        through = chain.part.mapaccum(long).map(segments)
-        states = through(begins, held, ca.repmat(p, 1, segments * long))[:, chain.parts - 1 :: chain.parts]
-        ends = states[:, length - 1 : (segments - 1) * length : length]
-        jumps = (ends - begins[:, 1:]) / scale
-        whole = ca.horzcat(start, states[:, :count])
-        index = np.flatnonzero(used).tolist()
-        readings = chain.reading.map(count + 1)(whole, p).T
-        residuals = (ca.DM(experiment.position[used]) - readings[index]) / experiment.noise
-        if experiment.pressure is not None:
-            pressures = chain.pressure.map(count + 1)(whole, p).T
-            left = (ca.DM(experiment.pressure[used]) - pressures[index]) / experiment.pressure_noise
-            residuals = ca.vertcat(residuals, left)
-        at = np.arange(1, segments) * length
-        held_before = ca.DM(experiment.current[at - 1]).T
-        guess = chain.start.map(segments - 1)(ca.DM(_filled(experiment.position)[at]).T, held_before, p) / scale
-        return nodes, residuals, jumps, ca.vec(guess)
+            self._options["hess_lag"] = _gauss_newton(unknowns, self._width, residuals, jumps)
+        self._first = ca.Function("first", [theta, self._width], [ca.vertcat(*(each.guess for each in segments))])
+        self._count = len(problem.unknowns)
 
     def solve(
         self, start: np.ndarray, width: float, nodes: np.ndarray | None = None, *, iterations: int = 60
@@ -121,6 +73,66 @@ class ShootingProgram:
         return Found(solution[: self._count], float(result["f"])), solution[self._count :]
 
 
+class _Segments:
+    """One experiment cut into segments: `nodes`, scaled, `jumps` between them, `residuals`, and a `guess` of the nodes.
+
+    The guess is the chain at rest at the readings.
+    """
+
+    def __init__(self, problem: Problem, number: int, theta: ca.MX, width: ca.MX) -> None:
+        self._experiment, self._used = problem.experiments[number], np.flatnonzero(problem.used[number])
+        self._chain = chain_for(problem.model, self._experiment)
+        columns = [column for column, each in enumerate(problem.unknowns) if each.experiment in (-1, number)]
+        unknowns = [problem.unknowns[column] for column in columns]
+        values = ca.vertcat(*(_value(problem.unknowns[column], theta[column]) for column in columns))
+        self._values = dict(zip((unknown.name for unknown in unknowns), ca.vertsplit(values), strict=True))
+        self._p = parameters_of(self._chain, unknowns, values, width)
+        self._rows = len(self._experiment.time) - 1
+        usual = max(round(SEGMENT_TIME / float(np.median(np.diff(self._experiment.time)))), 1)
+        self._length = min(usual, -(-self._rows // 2))
+        self._count = -(-self._rows // self._length)
+        self._run()
+
+    def _run(self) -> None:
+        """Run all segments at once, each from its node."""
+        chain, p, length = self._chain, self._p, self._length
+        scale = ca.DM(chain.scales)
+        start = chain.start(self._values["start_position"], self._experiment.current[0], p)
+        self.nodes = ca.MX.sym("nodes", len(chain.states), self._count - 1)
+        begins = ca.horzcat(start, self.nodes * scale)
+        through = chain.part.mapaccum(length * chain.parts).map(self._count)
+        held = self._held()
+        states = through(begins, held, ca.repmat(p, 1, held.size2()))[:, chain.parts - 1 :: chain.parts]
+        ends = states[:, length - 1 : (self._count - 1) * length : length]
+        self.jumps = ca.vec((ends - begins[:, 1:]) / scale)
+        self.residuals = self._left_over(ca.horzcat(start, states[:, : self._rows]))
+        at = np.arange(1, self._count) * length
+        readings, before = (
+            ca.DM(each).T for each in (_filled(self._experiment.position)[at], self._experiment.current[at - 1])
+        )
+        self.guess = ca.vec(chain.start.map(self._count - 1)(readings, before, p) / scale)
+
+    def _held(self) -> ca.MX:
+        """Return current and duration of each part, the last one repeated to fill the last segment."""
+        chain = self._chain
+        delay = self._values.get("transport_delay", chain.model.numbers.get("transport_delay", 0.0))
+        arriving = arriving_function(self._experiment, chain)(delay)[0]
+        held = ca.vertcat(arriving, ca.DM(np.diff(finer(self._experiment.time, chain.parts))).T)
+        missing = self._count * self._length - self._rows
+        return ca.horzcat(held, ca.repmat(held[:, -1], 1, missing * chain.parts))
+
+    def _left_over(self, states: ca.MX) -> ca.MX:
+        """Return the weighted residuals of states at all rows."""
+        experiment, index = self._experiment, self._used.tolist()
+        readings = self._chain.reading.map(self._rows + 1)(states, self._p).T
+        residuals = (ca.DM(experiment.position[self._used]) - readings[index]) / experiment.noise
+        if experiment.pressure is None:
+            return residuals
+        pressures = self._chain.pressure.map(self._rows + 1)(states, self._p).T
+        left = (ca.DM(experiment.pressure[self._used]) - pressures[index]) / experiment.pressure_noise
+        return ca.vertcat(residuals, left)
+
+
 def _gauss_newton(unknowns: ca.MX, width: ca.MX, residuals: ca.MX, gaps: ca.MX) -> ca.Function:
     """Return the Hessian of the squares without the residuals' own curvature, in the form that IPOPT takes."""
     jacobian = ca.jacobian(residuals, unknowns)
@@ -134,14 +146,6 @@ def _value(unknown: Unknown, scaled: ca.MX) -> ca.MX:
     if unknown.is_logarithmic:
         return unknown.centre * ca.exp(scaled)
     return unknown.centre + unknown.spread * scaled
-
-
-def _scale(name: str) -> float:
-    if name.endswith("pressure") or name == "droop":
-        return 1e4
-    if name.endswith(("current", "input")):
-        return 1e-3
-    return SCALES.get(name, 1e2)
 
 
 def _filled(position: np.ndarray) -> np.ndarray:

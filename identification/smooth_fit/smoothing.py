@@ -66,7 +66,7 @@ def _apart(fit: Fit, width: float) -> list[np.ndarray]:
     """Return smooth less exact readings of the same numbers on each experiment. [m]"""
     apart = []
     for experiment, start in zip(fit.problem.experiments, fit.starts, strict=True):
-        given = {"time": experiment.time, "current": experiment.current, "start_position": start}
+        given: dict[str, Any] = {"time": experiment.time, "current": experiment.current, "start_position": start}
         chain = chain_for(fit.model, experiment)
         apart.append(run_smooth(chain, width=width, **given) - simulate(fit.model, **given).position)
     return apart

@@ -125,15 +125,15 @@ def _checks(outcome: Outcome) -> Table:
 def _smoothing(outcome: Outcome) -> Table:
     from valvemodel.quantities import format_quantity
 
-    exact = {each.name: each.value for each in outcome.parameters}
+    exact = {each.name: each.value for each in outcome.parameters if each.name not in outcome.open}
     table = _table(("smoothing",), ("objective", "off the exact run (rms, max)"), "parameters off the exact refit")
     for each in outcome.smoothing:
-        shares = {name: shift / exact[name] for name, shift in each.shifts.items() if exact[name] != 0.0}
-        farthest = max(shares, key=lambda name: abs(shares[name]))
+        shares = {name: each.shifts[name] / value for name, value in exact.items() if value != 0.0}
+        farthest = max(shares, key=lambda name: abs(shares[name]), default="")
         table.add_row(
             format_quantity(each.width, "N", digits=3),
             f"{each.error:.5g}",
             f"{format_quantity(each.rms, 'm', digits=2)}, {format_quantity(each.largest, 'm', digits=2)}",
-            f"at most {100.0 * shares[farthest]:+.2g} %, {farthest}",
+            f"at most {100.0 * shares[farthest]:+.2g} %, {farthest}" if farthest else "",
         )
     return table

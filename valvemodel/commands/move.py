@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -96,7 +96,7 @@ def move(
     from valvemodel.records import write_table
 
     model = valve_model(valve)[0] if model_file is None else read_model(model_file)
-    asked = {
+    asked: dict[str, Any] = {
         "start_current": parse_quantity(start_current, unit="A"),
         "target": parse_quantity(target, unit="m"),
         "start_position": math.nan if start_position is None else parse_quantity(start_position, unit="m"),

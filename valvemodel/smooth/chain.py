@@ -25,6 +25,13 @@ INPUTS = ("current", "duration")
 TIMED = frozenset({"gap_drift", "sensor_drift", "load_force", "friction_drift"})
 """Effects that make the time a state."""
 
+SCALES = {
+    "flux_current": 1e-3, "hysteresis_input": 1e-3, "hysteresis": 1.0,
+    "droop": 1e4, "supplied_pressure": 1e4, "chamber_pressure": 1e4, "filled_pressure": 1e4, "pressure": 1e4,
+    "position": 1e-2, "velocity": 1e-1, "bristle": 1e2, "linkage": 1e-2, "lagged_reading": 1e-2, "time": 1.0,
+}  # fmt: skip
+"""Size of a change of each state that counts. [SI]"""
+
 WITHOUT_SMOOTH_FORM = frozenset({"quantisation", "transport_delay"})
 """A grid of readings is left out; a delay acts on the input, before the chain (`valvemodel.smooth.delay`)."""
 
@@ -35,8 +42,8 @@ LONGEST_PART = 5e-3
 """A part is not longer where forces or pressure bend within it. [s]"""
 
 BENDING = frozenset(
-    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag", "spring_hardening",
-     "position_dependent_friction", "presliding", "stribeck"}
+    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "supply_droop", "sensor_lag",
+     "spring_hardening", "position_dependent_friction", "presliding", "stribeck"}
 )  # fmt: skip
 """Effects that the closed form of a part takes as straight, or as its mean."""
 
@@ -89,6 +96,11 @@ class SmoothChain:
         """Return p of the model, or of other numbers, at a smoothing width [N], shape (parameters,). [SI]"""
         given = {**self.model.numbers, **(numbers or {}), WIDTH: width}
         return np.array([given[name] for name in self.parameters])
+
+    @property
+    def scales(self) -> np.ndarray:
+        """Size of a change of each state that counts, shape (states,). [SI]"""
+        return np.array([SCALES[name] for name in self.states])
 
     @cached_property
     def _p(self) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -103,35 +104,34 @@ class SteeringProgram:
         self._start_reading, self._start_current, self._band = start_reading, start_current, band
         self._range, self._rate = current_range, rate
         self._rises = 0.5 * sum(band) > start_reading
-        self._scale = self._state_scale()
+        self._scale = chain.scales
         self._solver = self._make_solver()
 
-    def _state_scale(self) -> np.ndarray:
-        sizes = {"position": 1e-2, "velocity": 1e-1, "linkage": 1e-2, "lagged_reading": 1e-2, "bristle": 1e2}
-        return np.array([
-            1e4 if "pressure" in name or name == "droop" else sizes.get(name, 1e-3 if "current" in name else 1.0)
-            for name in self._chain.states
-        ])  # fmt: skip
-
     def _make_solver(self) -> ca.Function:
-        """Make the program in currents, travels, states and the miss of the band; the width is its parameter."""
+        """Make the program in currents, travels, states and the miss of the band; numbers and prices are given."""
         n, chain = self._periods, self._chain
         current, travel = ca.MX.sym("current", n), ca.MX.sym("travel", n)
         states, miss = ca.MX.sym("states", len(chain.states), n), ca.MX.sym("miss")
-        p = ca.MX.sym("p", len(chain.parameters))
+        p, prices = ca.MX.sym("p", len(chain.parameters)), ca.MX.sym("prices", 2)
+        gaps, readings = self._chained(current, states, p)
         change = current - ca.vertcat(self._start_current / CURRENT_SCALE, current[:-1])
+        constraints = ca.vertcat(gaps, travel - change, travel + change, readings + miss, readings - miss)
+        unknowns, given = ca.vertcat(current, travel, ca.vec(states), miss), ca.vertcat(p, prices)
+        to_go = (-1.0 if self._rises else 1.0) * ca.sum1(readings)
+        price = prices[0] * to_go + prices[1] * ca.sum1(travel) + MISS_PRICE * miss
+        program: Any = {"x": unknowns, "p": given, "f": price, "g": constraints}
+        options: Any = {**IPOPT, "hess_lag": _flat(unknowns, given, constraints)}
+        return ca.nlpsol("steer", "ipopt", program, options)
+
+    def _chained(self, current: ca.MX, states: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
+        """Return the scaled gaps between the states and where the chain goes, and the scaled readings."""
+        n, chain, scale = self._periods, self._chain, ca.DM(self._scale)
         start = chain.start(self._start_reading, self._start_current, p)
-        whole = ca.horzcat(start, states * ca.DM(self._scale))
+        whole = ca.horzcat(start, states * scale)
         held = ca.vertcat(self._arriving(current).T * CURRENT_SCALE, self._period * ca.DM.ones(1, n))
         reached = chain.step.map(n)(whole[:, :-1], held, ca.repmat(p, 1, n))
-        gaps = (reached - whole[:, 1:]) / ca.DM(self._scale)
         readings = chain.reading.map(n)(whole[:, 1:], ca.repmat(p, 1, n)).T / LENGTH_SCALE
-        constraints = ca.vertcat(ca.vec(gaps), travel - change, travel + change, readings + miss, readings - miss)
-        unknowns, prices = ca.vertcat(current, travel, ca.vec(states), miss), ca.MX.sym("prices", 2)
-        side = -1.0 if self._rises else 1.0
-        price = prices[0] * side * ca.sum1(readings) + prices[1] * ca.sum1(travel) + MISS_PRICE * miss
-        program = {"x": unknowns, "p": ca.vertcat(p, prices), "f": price, "g": constraints}
-        return ca.nlpsol("steer", "ipopt", program, {**IPOPT, "hess_lag": _flat(unknowns, program["p"], constraints)})
+        return ca.vec((reached - whole[:, 1:]) / scale), readings
 
     def _arriving(self, current: ca.MX) -> ca.MX:
         """Return the currents behind the line's delay, the mean of each period."""
