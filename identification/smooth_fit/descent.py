@@ -16,7 +16,7 @@ WIDTHS = (1000.0, 100.0, 10.0, 1.0)
 
 EVALUATIONS, PRECISION = 30, 1e-6
 ROUGH_PRECISION = 1e-3
-"""Of all widths but the last."""
+"""Of all widths but the narrowest."""
 
 
 def descend_smooth(
@@ -49,7 +49,7 @@ def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[flo
     """Yield what is found at each width, beginning at the last one's point."""
     point = start
     for width in widths:
-        precision = PRECISION if width == widths[-1] else ROUGH_PRECISION
+        precision = PRECISION if width == widths[-1] and not has_more else ROUGH_PRECISION
         found = descend_smooth(residuals, point, width, precision=precision)
         point = found.point
         yield width, found
