@@ -45,8 +45,10 @@ def descend_smooth(
     return Found(result.x, float(result.cost))
 
 
-def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
-    """Yield what is found at each width, beginning at the last one's point."""
+def narrowed(
+    residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float], *, has_more: bool = False
+) -> Iterator[tuple[float, Found]]:
+    """Yield what is found at each width, beginning at the last one's point; roughly where narrower ones follow."""
     point = start
     for width in widths:
         precision = PRECISION if width == widths[-1] and not has_more else ROUGH_PRECISION
