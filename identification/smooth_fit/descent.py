@@ -16,7 +16,7 @@ WIDTHS = (1000.0, 100.0, 10.0, 1.0)
 
 EVALUATIONS, PRECISION = 30, 1e-6
 ROUGH_PRECISION = 1e-3
-"""Of all widths but the last."""
+"""Of all widths but the narrowest."""
 
 
 def descend_smooth(
@@ -45,11 +45,13 @@ def descend_smooth(
     return Found(result.x, float(result.cost))
 
 
-def narrowed(residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float]) -> Iterator[tuple[float, Found]]:
-    """Yield what is found at each width, beginning at the last one's point."""
+def narrowed(
+    residuals: SmoothResiduals, start: np.ndarray, widths: Sequence[float], *, has_more: bool = False
+) -> Iterator[tuple[float, Found]]:
+    """Yield what is found at each width, beginning at the last one's point; roughly where narrower ones follow."""
     point = start
     for width in widths:
-        precision = PRECISION if width == widths[-1] else ROUGH_PRECISION
+        precision = PRECISION if width == widths[-1] and not has_more else ROUGH_PRECISION
         found = descend_smooth(residuals, point, width, precision=precision)
         point = found.point
         yield width, found

@@ -26,8 +26,15 @@ TRIAL_EVALUATIONS, TRIAL_PRECISION = 8, 1e-3
 TRIAL_WIDTH = 10.0
 """Smoothing width at which starts of an effect are compared. [N]"""
 
+COMPARED = 2
+"""Widths through which both starts of the base valve are followed."""
+
 REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-8
 """The exact refit begins next to its minimum."""
+
+
+Path = list[tuple[float, Found]]
+"""What is found by smoothing width. [N]"""
 
 
 @dataclass(frozen=True)
@@ -87,27 +94,31 @@ def fit_smooth(
     ]
     problem = Problem(model, experiments, unknowns, used or measured(experiments))
     residuals = SmoothResiduals(problem)
-    point = _best_start(residuals, widths[0])
+    path = _best_path(residuals, widths)
     for number, key in enumerate(effects, 1):
-        *_, (_, found) = narrowed(residuals, point, widths)
         progress(key, number / steps)
-        residuals, point = _extended(finished(residuals.problem, found), key)
-    progress("all widths", (steps - 2) / steps)
+        residuals, point = _extended(finished(residuals.problem, path[-1][1]), key)
+        path = list(narrowed(residuals, point, widths))
     problem = residuals.problem
     if is_multiple:
-        path = list(narrowed_by_shooting(problem, point, widths))
-    else:
-        path = list(narrowed(residuals, point, widths))
+        progress("multiple shooting", (steps - 2) / steps)
+        path = list(narrowed_by_shooting(problem, path[-1][1].point, widths))
     progress("exact refit", (steps - 1) / steps)
     last = path[-1][1].point
     refit = finished(problem, descend(problem, last, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION))
     return SmoothFit(refit, finished(problem, path[-1][1]), smoothing_of(problem, path, refit))
 
 
-def _best_start(residuals: SmoothResiduals, width: float) -> np.ndarray:
-    """Return where a short descent from the guess, or from the model's values, came furthest."""
+def _best_path(residuals: SmoothResiduals, widths: Sequence[float]) -> Path:
+    """Return what is found by width from the guess or from the model's values, whichever leads further down.
+
+    They are compared at the second width: the first hides what the stem does between stops.
+    """
     starts = (guessed(residuals.problem), np.zeros(len(residuals.problem.unknowns)))
-    return min((_tried(residuals, start, width) for start in starts), key=lambda found: found.error).point
+    wide, narrow = widths[:COMPARED], widths[COMPARED:]
+    paths = [list(narrowed(residuals, start, wide, has_more=bool(narrow))) for start in starts]
+    best = min(paths, key=lambda path: path[-1][1].error)
+    return best + list(narrowed(residuals, best[-1][1].point, narrow))
 
 
 def _extended(fit: Fit, key: str) -> tuple[SmoothResiduals, np.ndarray]:
