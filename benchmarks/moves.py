@@ -12,7 +12,7 @@ COMPARED = ("pid", "sc_pid_branch", "landing")
 
 @click.command()
 @click.option("--effect-ratio", default=1.2, show_default=True, help="F_s/F_c of the valve set `calibrated`.")
-@click.option("--rate", default=20.0, show_default=True, help="Greatest rate of the least-time current. [mA/s]")
+@click.option("--rate", default=math.inf, show_default=True, help="Greatest rate of the least-time current. [mA/s]")
 def main(effect_ratio: float, rate: float) -> None:
     """Print, for each step of the contest, the settling time of each controller and the least time."""
     from valvemodel.control.contest import hold_contest
