@@ -36,8 +36,11 @@ def fit_exact(
 
     Effects whose error has many minima (static friction, a tight spot) are searched for together with the base
     parameters: a base valve fitted without them lies in another valley. Where that does not come down to the noise,
-    effects are added one by one as well, and the better fit counts. The smooth route (`--route smooth`) is the better
-    one where many records share many parameters and none of them is jagged: its cost grows less with their number.
+    effects are added one by one as well, and the better fit counts.
+
+    It is the default: of 100 records each it found base valves, ringing ones and ones with static friction in all. The
+    smooth route is the one to take for its exact derivatives and where the bias of a smooth model is the question;
+    `python -m benchmarks.identification` runs both on the same records.
 
     Parameters
     ----------

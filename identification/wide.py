@@ -34,10 +34,9 @@ def is_at_noise(problem: Problem, found: Found) -> bool:
 def search_wide(problem: Problem, box: Box, *, is_jagged: bool = False) -> Found:
     """Search a box of scaled unknowns for the least error.
 
-    First the smooth way: descents from the best of many points, 0.1 s for a record of 10,000 samples. Where none
-    comes down to the noise, or the error has many minima, differential evolution on the exact simulator follows: on
-    such records it found the valve in 97 of 100 searches, descents alone in 15, dual annealing in none, at equal cost
-    (`python -m benchmarks.identification --optimisers`).
+    First the smooth way: descents from the best of many points. Where none comes down to the noise, or the error has
+    many minima, differential evolution on the exact simulator follows: there descents alone and annealing are in vain
+    (`python -m benchmarks.identification --only optimisers`).
 
     Parameters
     ----------
