@@ -47,7 +47,7 @@ test: .venv/test.stamp
 	@touch $@
 
 docs: .venv/docs.stamp
-	@DISABLE_MKDOCS_2_WARNING=true $(BIN)/mkdocs build --quiet --config-file docs/mkdocs.yml
+	@DISABLE_MKDOCS_2_WARNING=true NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --config-file docs/mkdocs.yml
 	@echo "open site/index.html"
 
 lint: .venv/test.stamp
