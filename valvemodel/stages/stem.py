@@ -75,6 +75,7 @@ EFFECTS = (
         ),
         is_jagged=True,
         is_chaotic=True,
+        stops_again=True,
         aliases=("static_friction",),
         told_apart_by="ramps at several slow speeds",
     ),
