@@ -23,8 +23,8 @@ WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
 SEARCH_SIZE = 3
-SEARCH_GENERATIONS = 70
-"""Points of a global search for each unknown, and generations."""
+SEARCH_GENERATIONS, CHAOTIC_GENERATIONS = 70, 40
+"""Points of a global search for each unknown, and generations: fewer where a run takes long and ends nowhere exact."""
 
 
 @dataclass(frozen=True)
@@ -144,8 +144,9 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
+    generations = CHAOTIC_GENERATIONS if effect.is_chaotic else SEARCH_GENERATIONS
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
-        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=SEARCH_GENERATIONS)
+        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=generations)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:
