@@ -40,6 +40,7 @@ DOORS = (
     "identification",
     "diagnosis",
     "diagnosis.report",
+    "diagnosis.trials",
 )
 
 
