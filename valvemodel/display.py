@@ -23,6 +23,10 @@ SIGNAL_UNITS = {"current": "A", "force": "N", "pressure": "Pa", "position": "m"}
 """Signals that a card lists, each with its SI unit."""
 
 
+_LEFT = "text-align: left"
+"""Notebooks put cells to the right, words too."""
+
+
 @dataclass(frozen=True)
 class Table:
     """Text in rows; the first cell of a row names it."""
@@ -34,12 +38,12 @@ class Table:
     @property
     def html(self) -> str:
         """The table as HTML that says which cells are headings."""
-        head = "".join(f'<th scope="col">{escape(each)}</th>' for each in self.headings)
+        head = "".join(_cell(each, "th", "col") for each in self.headings)
         rows = "".join(
-            f'<tr><th scope="row">{escape(first)}</th>{"".join(f"<td>{escape(each)}</td>" for each in others)}</tr>'
+            f"<tr>{_cell(first, 'th', 'row')}{''.join(_cell(each, 'td') for each in others)}</tr>"
             for first, *others in self.rows
         )
-        caption = f"<caption>{escape(self.caption)}</caption>"
+        caption = f'<caption style="{_LEFT}">{escape(self.caption)}</caption>'
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
@@ -68,6 +72,11 @@ class Shown:
 
     def _repr_html_(self) -> str:
         return self._card().html
+
+
+def _cell(text: str, tag: str, scope: str = "") -> str:
+    says = f' scope="{scope}"' if scope else ""
+    return f'<{tag}{says} style="{_LEFT}">{escape(text)}</{tag}>'
 
 
 def warning_lines(warnings: Iterable[str]) -> tuple[str, ...]:

@@ -274,13 +274,13 @@ def test_shows_itself_and_draws_its_force():
     matplotlib.use("Agg")
     diagnosis = found(asymmetry=0.4)
     assert "asymmetric viscous friction" in repr(diagnosis)
-    assert "<td>" in diagnosis._repr_html_()
+    assert "</td>" in diagnosis._repr_html_()
     assert "N]" in "".join(diagnosis.to_pandas().columns)
     assert diagnosis.plot().get_ylabel() == "force [N]"
     assert diagnosis.plot_loop().get_xlabel() == "position [mm]"
     fit = fit_records([strokes()], GIVEN)
     assert fit.plot_residuals().get_ylabel() == "measured less model [N]"
-    assert "<td>" in fit._repr_html_()
+    assert "</td>" in fit._repr_html_()
     plt.close("all")
 
 
