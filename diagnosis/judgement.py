@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.score import Errors, Score
-from diagnosis.selection import Candidate, explains
+from diagnosis.selection import Candidate, explains, stops_seen
 from valvemodel.effects import effect_of_key
 
 SHARPNESS = 6.0
@@ -33,6 +33,12 @@ COST_PARAMETER = 0.5
 UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 2.0, 0.05, -1.0
 """What an effect outside the library would leave, as a squared error beyond the noise and as a share of the base's:
 a cause that leaves less is believed before an unknown one; and the log prior of that."""
+
+COST_STOPS = 10.0
+"""Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that."""
+
+FORM_STOPS, UNKNOWN_FORM_STOPS = 0.1, 0.6
+"""The same as FORM and UNKNOWN_FORM in such a record: the phase of slips is lost soon though the cause is right."""
 
 SAMPLES_EACH = 0.05
 """Sharpness that an independent sample is worth, up to the whole of it."""
@@ -74,10 +80,14 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     base = candidates[0].score
     sharpness = sharpness_of(candidates)
     left = np.array([excess_of(each.score, base) for each in candidates])
-    evidence = -sharpness * np.log(left + NOTICE + FORM * left[0])
+    has_stops = stops_seen(candidates[0].fit)
+    form, unknown_form = (FORM_STOPS, UNKNOWN_FORM_STOPS) if has_stops else (FORM, UNKNOWN_FORM)
+    evidence = -sharpness * np.log(left + NOTICE + form * left[0])
+    if has_stops:
+        evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])
     support[[not is_felt(each) for each in candidates]] = -np.inf
-    unknown = SUPPORT_UNKNOWN - sharpness * math.log(UNKNOWN_NOTICE + UNKNOWN_FORM * left[0])
+    unknown = SUPPORT_UNKNOWN - sharpness * math.log(UNKNOWN_NOTICE + unknown_form * left[0])
     weights = np.exp(np.append(support, unknown) - max(support.max(), unknown))
     weights /= weights.sum()
     return Judgement(weights[:-1], float(weights[-1]), evidence)
@@ -93,6 +103,11 @@ def excess_of(mine: Score, base: Score) -> float:
     """Return the squared error beyond the noise, geometric mean of free and re-anchored run. [noise^2]"""
     free, anchored = lasting_mean(mine.free, base.free), lasting_mean(mine.anchored, base.anchored)
     return max(math.sqrt(free * anchored) - 1.0, 0.0)
+
+
+def can_stop(candidate: Candidate) -> bool:
+    """Return whether a cause can make the stem rest again and again on its way."""
+    return any(effect_of_key(key).stops_again for key in candidate.effects)
 
 
 def is_felt(candidate: Candidate) -> bool:

@@ -43,7 +43,7 @@ WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
 LEAST_STOPS = 4
-"""Rests of the stem on its way from which effects that show so are looked for."""
+"""Rests of the stem on its way from which effects that can show so are looked for first."""
 
 Progress = Callable[[str, float], None]
 
@@ -86,7 +86,7 @@ class Work:
     @property
     def is_global(self) -> bool:
         """Whether the new effect is worth a global search."""
-        return len(self.effects) == 1 or effect_of_key(self.effects[-1]).stops_again
+        return len(self.effects) == 1 or effect_of_key(self.effects[-1]).is_chaotic
 
 
 @contextmanager
@@ -141,10 +141,11 @@ def select(
     The effects that need a global search come last, and only where no other one explains the gap.
     """
     tried = [base]
+    has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
         if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
             break
-        keys = [key for key in round_of if is_worth_a_search(key, base.fit)]
+        keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
         tried += try_all([Work(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
     single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in tried[1:]}
     for size in range(2, MOST_EFFECTS + 1):
@@ -173,14 +174,10 @@ def rounds(library: Sequence[Effect]) -> list[list[str]]:
     return [each for each in keys if each]
 
 
-def is_worth_a_search(key: str, fit: Fit) -> bool:
-    """Return whether what a fit leaves over may hold an effect at all, where the effect has a sign of its own."""
-    effect = effect_of_key(key)
-    return (
-        not effect.stops_again
-        or max(stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments)
-        >= LEAST_STOPS
-    )
+def stops_seen(fit: Fit) -> bool:
+    """Return whether the measured stem rests again and again where a fit's keeps moving."""
+    stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
+    return max(stops) >= LEAST_STOPS
 
 
 def misfit(candidate: Candidate) -> float:
@@ -212,7 +209,7 @@ def shortlist(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
         key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
     }
     order = sorted(keys, key=lambda key: -gains[key])
-    certain = [key for key in keys if effect_of_key(key).stops_again and is_worth_a_search(key, fit)]
+    certain = [key for key in keys if effect_of_key(key).stops_again] if stops_seen(fit) else []
     return list(dict.fromkeys([*certain, *order]))[: SHORTLIST + len(certain)]
 
 

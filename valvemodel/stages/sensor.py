@@ -54,6 +54,7 @@ EFFECTS = (
             ),
         ),
         is_jagged=True,
+        stops_again=True,
         told_apart_by="the readings themselves: they take few values",
     ),
     Effect(

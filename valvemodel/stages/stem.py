@@ -32,6 +32,7 @@ EFFECTS = (
             ),
         ),
         is_jagged=True,
+        stops_again=True,
         aliases=("stribeck",),
         told_apart_by="slow ramps: Stribeck friction also drops while the stem already moves",
     ),
