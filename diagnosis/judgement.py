@@ -55,7 +55,8 @@ LEAST_TRACE, LEAST_TRACE_MORE = 0.3, 1.0
 WITHIN_FORM = 5.0
 """The same for declared aliases that both explain the gap: they may differ by their form alone."""
 
-MOST_RIVALS = 4
+MOST_RIVALS = 2
+"""Rivals that are named beside a cause, the nearest ones: a longer list helps nobody to choose."""
 
 
 @dataclass(frozen=True)

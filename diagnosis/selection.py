@@ -24,8 +24,8 @@ from valvemodel.stages import EFFECTS
 LEADERS = 2
 """Best causes that are tried with one more effect."""
 
-SHORTLIST = 6
-"""Effects that are tried on top of each leader, by what they promise on its residual."""
+SHORTLIST, SHORTLIST_BACK = 6, 4
+"""Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -136,10 +136,14 @@ def trace_of(fit: Fit, holdout: Holdout) -> float:
 def select(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
+    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
+    return try_together(try_alone(base, holdout, library, pool, progress), holdout, pool, progress)
 
-    The effects that need a global search come last, and only where no other one explains the gap.
-    """
+
+def try_alone(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try every effect alone; those that need a global search come last, and only where no other explains the gap."""
     tried = [base]
     has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
@@ -147,25 +151,60 @@ def select(
             break
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
         tried += try_all([Work(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
-    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in tried[1:]}
+    return tried
+
+
+def try_together(
+    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try further effects on top of the best, as long as unseen data gain from it.
+
+    After each round the best cause is looked at backwards: from what it is without its first effect, in case that one
+    only stood in for another.
+
+    Parameters
+    ----------
+    alone : sequence of Candidate
+        The base, then the effects one by one.
+    """
+    tried, base = list(alone), alone[0]
+    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
     for size in range(2, MOST_EFFECTS + 1):
-        order = sorted((each for each in tried if len(each.effects) == size - 1), key=misfit)
-        leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
         if explains(min(tried, key=misfit), base):
             break
-        work: list[Work] = []
-        for leader in leaders:
-            for key in shortlist(leader.fit, single):
-                effects = (*leader.effects, key)
-                if not any(set(effects) == set(other.effects) for other in work):
-                    work.append(Work(leader.fit, effects, single[key]))
-        if not work:
+        order = best_of(tried, size - 1)
+        leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+        what = f"{size} effects together"
+        tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
+        if not best_of(tried, size):
             break
-        tried += try_all(work, holdout, pool, progress, f"{size} effects together")
-        best = min((each for each in tried if len(each.effects) == size), key=misfit)
-        if misfit(best) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
+        rest = [
+            each for each in tried if len(each.effects) == size - 1 and each.effects == best_of(tried, size)[0].effects[1:]
+        ]
+        tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
+        if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
+    """Return the causes of so many effects, the best first."""
+    return sorted((each for each in tried if len(each.effects) == size), key=misfit)
+
+
+def extensions(
+    leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]], count: int
+) -> list[Work]:
+    """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
+    known = {frozenset(each.effects) for each in tried}
+    work: list[Work] = []
+    for leader in leaders:
+        for key in shortlist(leader.fit, single, count):
+            effects = (*leader.effects, key)
+            if frozenset(effects) not in known:
+                known.add(frozenset(effects))
+                work.append(Work(leader.fit, effects, single[key]))
+    return work
 
 
 def rounds(library: Sequence[Effect]) -> list[list[str]]:
@@ -202,7 +241,7 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
     return [effect for effect in named if not (is_loop and effect.acts_in_time)]
 
 
-def shortlist(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
+def shortlist(fit: Fit, single: dict[str, dict[str, float]], count: int) -> list[str]:
     """Return the effects that promise most on what a fit leaves over, one that needs a global search among them."""
     keys = [key for key in single if key not in fit.model.effects]
     gains = {
@@ -210,7 +249,7 @@ def shortlist(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
     }
     order = sorted(keys, key=lambda key: -gains[key])
     certain = [key for key in keys if effect_of_key(key).stops_again] if stops_seen(fit) else []
-    return list(dict.fromkeys([*certain, *order]))[: SHORTLIST + len(certain)]
+    return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
 
 
 def try_all(
