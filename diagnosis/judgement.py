@@ -80,15 +80,16 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     """
     base = candidates[0].score
     sharpness = sharpness_of(candidates)
-    left = np.array([excess_of(each.score, base) for each in candidates])
     has_stops = stops_seen(candidates[0].fit)
     form, unknown_form = (FORM_STOPS, UNKNOWN_FORM_STOPS) if has_stops else (FORM, UNKNOWN_FORM)
-    evidence = -sharpness * np.log(left + NOTICE + form * left[0])
+    evidence = -sharpness * np.array([error_kept(each.score, base, form) for each in candidates])
     if has_stops:
         evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])
     support[[not is_felt(each) for each in candidates]] = -np.inf
-    unknown = SUPPORT_UNKNOWN - sharpness * math.log(UNKNOWN_NOTICE + unknown_form * left[0])
+    whole = excess(base.free.mean, base.anchored.mean)
+    expected = (UNKNOWN_NOTICE + unknown_form * whole) / (NOTICE + (1.0 + form) * whole)
+    unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
     weights = np.exp(np.append(support, unknown) - max(support.max(), unknown))
     weights /= weights.sum()
     return Judgement(weights[:-1], float(weights[-1]), evidence)
@@ -100,9 +101,22 @@ def sharpness_of(candidates: Sequence[Candidate]) -> float:
     return min(SHARPNESS, SAMPLES_EACH * float(best.counts.sum()) * best.signals / best.persistence)
 
 
-def excess_of(mine: Score, base: Score) -> float:
-    """Return the squared error beyond the noise, geometric mean of free and re-anchored run. [noise^2]"""
-    free, anchored = lasting_mean(mine.free, base.free), lasting_mean(mine.anchored, base.anchored)
+def error_kept(mine: Score, base: Score, form: float) -> float:
+    """Return the logarithm of the share of the base's error that a cause keeps, what is below notice left aside.
+
+    The one block in time that gains most over the base does not count: what helps in a single one, such as the first
+    after the start, is no effect of the valve.
+    """
+    rest = np.ones(len(mine.free.weighted), bool)
+    if len(rest) >= FEW_BLOCKS:
+        rest[np.argmax(base.free.weighted - mine.free.weighted)] = False
+    left, before = (excess(each.free.mean_of(rest), each.anchored.mean_of(rest)) for each in (mine, base))
+    allowed = NOTICE + form * before
+    return math.log((left + allowed) / (before + allowed))
+
+
+def excess(free: float, anchored: float) -> float:
+    """Return the squared error beyond the noise, of the geometric mean of free and re-anchored run. [noise^2]"""
     return max(math.sqrt(free * anchored) - 1.0, 0.0)
 
 
@@ -114,17 +128,6 @@ def can_stop(candidate: Candidate) -> bool:
 def is_felt(candidate: Candidate) -> bool:
     """Return whether each of a cause's effects changes the readings enough to be one."""
     return candidate.trace >= (LEAST_TRACE if len(candidate.effects) < 2 else LEAST_TRACE_MORE)
-
-
-def lasting_mean(mine: Errors, base: Errors) -> float:
-    """Return the mean weighted square as it would be without the one block in time that gains most over the base.
-
-    What helps in a single block, such as the first after the start, is no effect of the valve.
-    """
-    if len(mine.weighted) < FEW_BLOCKS:
-        return mine.mean
-    rest = np.arange(len(mine.weighted)) != int(np.argmax(base.weighted - mine.weighted))
-    return float(base.mean * mine.weighted[rest].sum() / base.weighted[rest].sum())
 
 
 def log_prior(candidate: Candidate) -> float:

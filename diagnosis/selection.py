@@ -42,7 +42,7 @@ NEAR_THE_BEST = 2.0
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
-LEAST_STOPS = 4
+LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
 
 Progress = Callable[[str, float], None]
@@ -178,9 +178,7 @@ def try_together(
         tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
         if not best_of(tried, size):
             break
-        rest = [
-            each for each in tried if len(each.effects) == size - 1 and each.effects == best_of(tried, size)[0].effects[1:]
-        ]
+        rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
