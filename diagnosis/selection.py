@@ -76,17 +76,13 @@ class Candidate:
 class Work:
     """One extension to be tried: a fit, the cause with the new effect last, and known values of the new effect.
 
-    An effect whose error has many minima is searched for globally where it is alone, or where the record shows it.
+    `is_global` says whether an effect whose error has many minima is searched for globally, which takes seconds.
     """
 
     fit: Fit
     effects: tuple[str, ...]
     known: dict[str, float] | None = None
-
-    @property
-    def is_global(self) -> bool:
-        """Whether the new effect is worth a global search."""
-        return len(self.effects) == 1 or effect_of_key(self.effects[-1]).is_chaotic
+    is_global: bool = False
 
 
 @contextmanager
@@ -150,7 +146,9 @@ def try_alone(
         if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
             break
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
-        tried += try_all([Work(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
+        tried += try_all(
+            [Work(base.fit, (key,), is_global=True) for key in keys], holdout, pool, progress, "effects one by one"
+        )
     return tried
 
 
@@ -201,7 +199,9 @@ def extensions(
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
-                work.append(Work(leader.fit, effects, single[key]))
+                work.append(
+                    Work(leader.fit, effects, single[key], leader is leaders[0] and effect_of_key(key).is_chaotic)
+                )
     return work
 
 
