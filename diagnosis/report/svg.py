@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 INK, GRID = "#222222", "#dddddd"
 HALF, WIDE = (5.0, 3.6), (10.2, 3.4)
 """Sizes of pictures for half a page (and a phone) and for the whole width. [in]"""
-_SETTINGS: dict[Any, Any] = {
+SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "valvemodel",
     "text.parse_math": False,
@@ -58,7 +58,7 @@ def picture(name: str, draw: Callable[[Figure], None], size: tuple[float, float]
     import matplotlib
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context(_SETTINGS):
+    with matplotlib.rc_context(SETTINGS):
         figure = Figure(figsize=size)
         figure.patch.set_visible(False)
         draw(figure)

@@ -6,28 +6,24 @@ from pathlib import Path
 
 import click
 
-from valvemodel.commands.given import valve_model, valve_option, with_effects
+from valvemodel.commands.command import command
+from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 
 
-@click.command(
+@command(
+    short_help="What a valve would do under a current.",
     epilog="""\b
 Examples:
   valvemodel simulate --input ramps.csv --out out.csv
   valvemodel simulate --valve table2 --input ramps.csv --out out.csv
   valvemodel simulate --input ramps.csv --effect static_friction:static_friction_ratio=1.3 --out out.csv
   valvemodel simulate --model report/model.json --input ramps.csv --start-position "28.15 mm" --out out.csv
-  valvemodel simulate --model report/model.json --input record.csv --reanchor "2 s" --out out.csv"""
+  valvemodel simulate --model report/model.json --input record.csv --reanchor "2 s" --out out.csv""",
 )
 @valve_option
-@click.option(
-    "--model",
-    "model_file",
-    metavar="MODEL.json",
-    type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
-)
+@model_option
 @click.option(
     "--input",
     "input_file",
@@ -36,14 +32,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Columns `time [s]` and `current [mA]`; also Parquet and MAT.",
 )
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="KEY[:name=value,...]",
-    help="Switch an effect on, with values in SI units or with a unit; values that are not named are the typical "
-    "ones, as `valvemodel effects KEY` shows them. May be given several times.",
-)
+@effects_option
 @click.option(
     "--start-position",
     metavar="QUANTITY",

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -89,6 +90,17 @@ class Move:
     def is_reached(self) -> bool:
         """Whether the exact reading arrives in the band and stays there."""
         return math.isfinite(self.duration)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what the move costs; the current itself is in its table."""
+        return {
+            "schema": "valvemodel.move/1",
+            "target": {"value": self.target, "unit": "m"},
+            "is_reached": self.is_reached,
+            "duration": {"value": self.duration, "unit": "s"},
+            "overshoot": {"value": self.overshoot, "unit": "m"},
+            "travel": {"value": self.travel, "unit": "A"},
+        }
 
 
 @dataclass(frozen=True)
