@@ -71,7 +71,6 @@ def part_of(record: RecordEvidence, start: float, end: float) -> RecordEvidence:
 def main() -> None:
     """Diagnose the bundled record, and renew the block and the picture."""
     from diagnosis import diagnose
-    from diagnosis.picture import evidence_of
     from valvemodel import read_record
 
     found = diagnose(read_record(RECORD))
@@ -80,7 +79,7 @@ def main() -> None:
     before, rest = readme.read_text(encoding="utf-8").split(OPENING)
     readme.write_text(before + answered(content) + rest.split(CLOSING)[1], encoding="utf-8")
     PICTURE.parent.mkdir(exist_ok=True)
-    draw(content, evidence_of(found), PICTURE)
+    draw(content, found.evidence(), PICTURE)
 
 
 if __name__ == "__main__":

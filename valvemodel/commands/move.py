@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     epilog="""\b
 Examples:
   valvemodel move --to "150 mm" --from "12 mA" --rate "2 mA/s" --out move.csv
-  valvemodel move --model fitted/model.json --to "80 mm" --least travel --within "5 s" --out move.csv""",
+  valvemodel move --to "80 mm" --least travel --within "2 s" --out move.csv
+  valvemodel move --model fitted/model.json --to "150 mm" --out move.csv --json""",
 )
 @valve_option
 @model_option

@@ -224,6 +224,9 @@ def least_travel(
     periods = max(arrival, len(ramp) - task.hold) + task.hold
     program = _program(task, periods)
     steered = _solved(program, arrival, np.append(ramp, np.full(periods - len(ramp), ramp[-1])), LEISURE)
+    if not steered.is_sound:
+        found = f"over {periods} periods the search ended without a solution"
+        raise InputError("a move of least travel is sought in some hundred periods", found, "take fewer or longer ones")
     if not steered.reaches:
         arrived = f"within {within:g} s the reading misses its band by {1e3 * steered.miss:.3g} mm"
         raise InputError("a move needs the time that it takes", arrived, "give it longer, or ask for the least time")
