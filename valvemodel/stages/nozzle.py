@@ -156,50 +156,45 @@ static_pressure = inlined(numeric.static_pressure)
 chamber_inflow = compiled(numeric.chamber_inflow)
 
 
-@compiled
-def passed_share(ratio, critical):
-    """Return the flow through a hole over its choked flow, ISO 6358."""
-    if ratio <= critical:
-        return 1.0
-    if ratio >= 1.0:
-        return 0.0
-    part = (ratio - critical) / (1.0 - critical)
-    return math.sqrt(1.0 - part * part)
+@inlined
+def choking_balance(pressure, high_side, opening, critical, orifice_chokes, nozzle_chokes):
+    """Return the flow through the orifice squared less that through the nozzle, ISO 6358; absolute pressures."""
+    breadth = (1.0 - critical) * (1.0 - critical)
+    through_orifice = high_side * high_side
+    if not orifice_chokes:
+        through_orifice -= (pressure - critical * high_side) ** 2 / breadth
+    through_nozzle = pressure * pressure
+    if not nozzle_chokes:
+        through_nozzle -= (ATMOSPHERE - critical * pressure) ** 2 / breadth
+    return through_orifice - opening * opening * through_nozzle
 
 
 @compiled
 def compressible_pressure(gap, supply, flow_ratio, critical):
     """Return the gauge pressure at which the choking orifice feeds the choking nozzle. [Pa]
 
-    The balance falls with the pressure; its root is bracketed by 0 and the supply (Illinois method).
+    The balance falls with the pressure. Each hole either chokes or not, which its sign at the two pressures of change
+    tells; in each of the four cases the balance of the squared flows is a quadratic equation.
     """
     opening = math.sqrt(flow_ratio) * abs(gap)
     high_side = supply + ATMOSPHERE
-    low, high = 0.0, supply
-    at_low = high_side * passed_share(ATMOSPHERE / high_side, critical)
-    at_high = -opening * high_side * passed_share(ATMOSPHERE / high_side, critical)
-    pressure = high
-    if at_high >= 0.0:
-        return pressure
-    side = 0
-    for _ in range(100):
-        pressure = (low * at_high - high * at_low) / (at_high - at_low)
-        absolute = pressure + ATMOSPHERE
-        balance = high_side * passed_share(absolute / high_side, critical)
-        balance -= opening * absolute * passed_share(ATMOSPHERE / absolute, critical)
-        if abs(balance) <= 1e-12 * high_side or high - low <= 1e-9 * supply:
-            break
-        if balance > 0.0:
-            low, at_low = pressure, balance
-            if side == 1:
-                at_high *= 0.5
-            side = 1
-        else:
-            high, at_high = pressure, balance
-            if side == -1:
-                at_low *= 0.5
-            side = -1
-    return pressure
+    orifice_change, nozzle_change = critical * high_side, ATMOSPHERE / critical
+    orifice_chokes = orifice_change > ATMOSPHERE and (
+        choking_balance(orifice_change, high_side, opening, critical, True, orifice_change >= nozzle_change) < 0.0
+    )
+    nozzle_chokes = nozzle_change < high_side and (
+        choking_balance(nozzle_change, high_side, opening, critical, nozzle_change <= orifice_change, True) > 0.0
+    )
+    breadth = 1.0 / ((1.0 - critical) * (1.0 - critical))
+    from_orifice = 0.0 if orifice_chokes else breadth
+    from_nozzle = 0.0 if nozzle_chokes else opening * opening * breadth
+    square = critical * critical * from_nozzle - from_orifice - opening * opening
+    half = critical * (high_side * from_orifice - ATMOSPHERE * from_nozzle)
+    constant = high_side * high_side * (1.0 - critical * critical * from_orifice) + ATMOSPHERE**2 * from_nozzle
+    root = math.sqrt(max(half * half - square * constant, 0.0))
+    # The root at which the balance falls, without cancellation.
+    absolute = -(half + root) / square if half > 0.0 else constant / (root - half)
+    return min(max(absolute - ATMOSPHERE, 0.0), supply)
 
 
 @inlined
