@@ -1,7 +1,7 @@
 # Each target does its own set-up; it takes Python 3.11 or newer, and nothing else.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint clean
+.PHONY: help demo test lint docs clean
 .DELETE_ON_ERROR:
 
 PYTHON ?= $(firstword $(foreach name,python3.11 python3.12 python3.13 python3,$(shell \
@@ -14,6 +14,7 @@ help:
 	@echo "make demo   set up, diagnose the bundled record, print the answer and the report's place"
 	@echo "make test   set up, run all tests"
 	@echo "make lint   set up, check format, style and types"
+	@echo "make docs   set up, build the documentation into site/"
 	@echo "make clean  remove everything that was made here"
 
 .venv/run.stamp: pyproject.toml constraints.txt
@@ -40,6 +41,15 @@ demo: $(CACHE)
 test: .venv/test.stamp
 	@$(BIN)/python -m pytest -n 2 --dist loadfile
 
+.venv/docs.stamp: .venv/run.stamp
+	@echo "setting up the documentation (once) ..."
+	@$(PIP) --editable '.[docs]'
+	@touch $@
+
+docs: .venv/docs.stamp
+	@DISABLE_MKDOCS_2_WARNING=true $(BIN)/mkdocs build --quiet --config-file docs/mkdocs.yml
+	@echo "open site/index.html"
+
 lint: .venv/test.stamp
 	@status=0; \
 	$(BIN)/ruff format --check --quiet . || status=1; \
@@ -48,5 +58,5 @@ lint: .venv/test.stamp
 	exit $$status
 
 clean:
-	@rm -rf .venv build dist demo-report .pytest_cache .hypothesis .ruff_cache .mypy_cache *.egg-info
+	@rm -rf .venv build dist site demo-report .pytest_cache .hypothesis .ruff_cache .mypy_cache *.egg-info
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

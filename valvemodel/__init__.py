@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from valvemodel.errors import InputError
     from valvemodel.model import Model, read_model
     from valvemodel.records import Record, read_record, write_table
-    from valvemodel.simulation import Trajectory, simulate
+    from valvemodel.simulation import simulate
+    from valvemodel.stepping import SteppedValve
+    from valvemodel.trajectory import Trajectory
     from valvemodel.valves import Valve, plausibility, read_valve, valve_names
 
 _HOMES = {
@@ -23,7 +25,8 @@ _HOMES = {
     "Model": "valvemodel.model",
     "Parameter": "valvemodel.declarations",
     "Record": "valvemodel.records",
-    "Trajectory": "valvemodel.simulation",
+    "SteppedValve": "valvemodel.stepping",
+    "Trajectory": "valvemodel.trajectory",
     "Valve": "valvemodel.valves",
     "effect_of_key": "valvemodel.effects",
     "plausibility": "valvemodel.valves",
@@ -41,6 +44,7 @@ __all__ = [
     "Model",
     "Parameter",
     "Record",
+    "SteppedValve",
     "Trajectory",
     "Valve",
     "effect_of_key",

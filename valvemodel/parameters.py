@@ -34,7 +34,7 @@ def _fingerprint() -> str:
 EFFECT_PARAMETERS = tuple(parameter for effect in EFFECTS for parameter in effect.parameters)
 PARAMETERS = np.dtype(
     [(parameter.name, "f8") for parameter in BASE_PARAMETERS + EFFECT_PARAMETERS]
-    + [("start_position", "f8"), ("anchor_tolerance", "f8"), (_fingerprint(), "f8")]
+    + [(name, "f8") for name in ("start_position", "anchor_tolerance", "anchors_at_rest", _fingerprint())]
 )
 """Type of the record of numbers that the compiled chain reads."""
 
@@ -43,9 +43,10 @@ STATE = np.dtype(
         (name, "f8")
         for name in (
             "flux_current", "hysteresis", "hysteresis_input",
-            "droop", "share", "chamber_pressure", "filled_pressure", "pressure", "part_aim", "rest_drive",
+            "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
+            "part_aim", "rest_drive", "chamber_rate",
             "position", "velocity", "mode", "bristle", "trial_step",
-            "linkage", "lagged_reading", "period",
+            "linkage", "lagged_reading",
             "plan_linear", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
             "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
@@ -53,12 +54,16 @@ STATE = np.dtype(
             "quiet_yy", "quiet_vy", "quiet_friction",
             "known_damping", "known_stiffness", "known_duration",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
+            "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
         )
     ]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
+
+SAMPLE = np.dtype([(name, "f8") for name in ("reading", "pressure", "position", "velocity", "mode")])
+"""Type of what stands at an instant."""
 
 EVENT = np.dtype([(name, "f8") for name in ("time", "position", "speed_before", "mode_before", "mode_after")])
 """Type of a change of mode: its instant, the stem's position, the speed just before it, the modes around it."""
@@ -122,6 +127,7 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
     values : mapping of parameter name to SI value
         `start_position` may be among them (a reading); NaN or absent means at rest in the middle of the stuck band.
         `anchor_tolerance` is how far a run may be off an anchor without being put anew; 0 where absent. [m]
+        `anchors_at_rest` is 1 where only a stem that has just come to rest is put anew; 0 where absent.
     count : int
         Number of rows.
 
@@ -134,4 +140,5 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
         rows[parameter.name] = values.get(parameter.name, parameter.neutral)
     rows["start_position"] = values.get("start_position", np.nan)
     rows["anchor_tolerance"] = values.get("anchor_tolerance", 0.0)
+    rows["anchors_at_rest"] = values.get("anchors_at_rest", 0.0)
     return rows

@@ -1,4 +1,8 @@
-"""Runs of the chain over whole inputs, compiled: samples, one row of numbers after the other."""
+"""Runs of the chain over whole inputs, compiled: one row of numbers after the other, sample by sample.
+
+The chain runs forward only. Where the pressure stands still under a held current, a run goes through it stage by
+stage: first all pressures, then the stem, whose state stays in the processor's registers from event to event.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,150 @@ import math
 
 import numpy as np
 
-from valvemodel.chain import advance_period, anchor_stem, mode_of, start_chain
-from valvemodel.compiled import compiled
-from valvemodel.stages.sensor import read_sensor
+from valvemodel.chain import (
+    CURRENT,
+    advance_period,
+    anchor_stem,
+    maps_plainly,
+    mode_of,
+    move_stem,
+    start_chain,
+    whole_duration,
+)
+from valvemodel.compiled import compiled, inlined
+from valvemodel.parameters import MOST_NOTED
+from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_current
+from valvemodel.stages.motion import remember_glide
+from valvemodel.stages.nozzle import advance_nozzle, static_pressure
+from valvemodel.stages.sensor import read_sensor, reads_plainly
+from valvemodel.stages.slip import STOP_SPEED
+from valvemodel.stages.stem import STUCK
 
 NONE = np.zeros((0, 0))
+"""For outputs that are left out."""
+
 FREE = np.zeros(0)
+"""For runs without anchors."""
+
+
+@compiled
+def is_forward(p, state, time):
+    """Return whether the pressure stands still under a held current and the stem may glide through a period."""
+    if state.plan_steady == 0.0 or state.plan_moving == 1.0 or state.plan_delayed == 1.0:
+        return False
+    longest = 0.0
+    for sample in range(time.shape[0] - 1):
+        longest = max(longest, time[sample + 1] - time[sample])
+    return longest <= state.plan_longest
+
+
+@compiled
+def hold_pressures(p, state, time, drive, pressures):
+    """Fill in the pressure that each held current gives."""
+    if maps_plainly(p):
+        gap_offset, gap_gain = p.gap_offset, p.gap_gain
+        supply_pressure, flow_ratio = p.supply_pressure, p.flow_ratio
+        # Without a branch in it, this loop is compiled into vector instructions.
+        for sample in range(time.shape[0] - 1):
+            gap = coil_gap(max(drive[sample], 0.0), gap_offset, gap_gain)
+            pressures[sample] = static_pressure(gap, supply_pressure, flow_ratio)
+        return
+    for sample in range(time.shape[0] - 1):
+        effective = advance_flux(p, state, drive[sample])
+        gap = gap_of_current(p, effective, time[sample])
+        pressures[sample] = advance_nozzle(p, state, gap, effective)
+
+
+@compiled
+def glide_along(p, state, memory, time, pressures, tolerance, positions):
+    """Move a steady stem along all samples and write down the linkage; what is no glide goes event by event."""
+    area, preload, stiffness = p.diaphragm_area, p.spring_preload, p.spring_rate
+    play, lowest, highest = p.backlash_half_width, state.plan_lowest, state.plan_highest
+    hold_low = -state.plan_falling_friction * state.plan_ratio
+    hold_high = state.plan_rising_friction * state.plan_ratio
+    position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
+    positions[0] = linkage
+    sample, last = 0, time.shape[0] - 1
+    while sample < last:
+        if side == STUCK:
+            while hold_low <= area * pressures[sample] - preload - stiffness * position <= hold_high:
+                sample += 1
+                positions[sample] = linkage
+                if sample == last:
+                    break
+        else:
+            duration = whole_duration(time[sample + 1] - time[sample])
+            remember_glide(p, state, side, duration)
+            yy, yv, yf = state.quiet_yy, state.quiet_yv, state.quiet_yf
+            vy, vv, vf = state.quiet_vy, state.quiet_vv, state.quiet_vf
+            friction = state.quiet_friction
+            while side * velocity >= STOP_SPEED and whole_duration(time[sample + 1] - time[sample]) == duration:
+                push = area * pressures[sample] - preload - friction
+                end = yf * push + yv * velocity + yy * position
+                speed = vf * push + vy * position + vv * velocity
+                # Not `and`: one branch that is foreseen is cheaper than three.
+                if not ((side * speed >= STOP_SPEED) & (lowest <= end) & (end <= highest)):
+                    break
+                position, velocity = end, speed
+                linkage = min(max(linkage, position - play), position + play)
+                sample += 1
+                positions[sample] = linkage
+                if sample == last:
+                    break
+        if sample < last:
+            state.position, state.velocity, state.linkage, state.mode = position, velocity, linkage, side
+            duration = whole_duration(time[sample + 1] - time[sample])
+            move_stem(p, state, memory, pressures[sample], time[sample], duration, tolerance)
+            position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
+            sample += 1
+            positions[sample] = linkage
+    state.position, state.velocity, state.linkage, state.mode = position, velocity, linkage, side
+
+
+@compiled
+def read_along(p, state, time, readings):
+    """Turn positions of the linkage into readings."""
+    linkage = state.linkage
+    for sample in range(time.shape[0]):
+        state.linkage = readings[sample]
+        readings[sample] = read_sensor(p, state, time[sample])
+    state.linkage = linkage
+
+
+@compiled
+def run_forward(p, state, memory, time, drive, tolerance, pressures, readings):
+    """Run a chain stage by stage."""
+    if state.plan_current == 1.0:
+        hold_pressures(p, state, time, drive, pressures)
+        glide_along(p, state, memory, time, pressures, tolerance, readings)
+    else:
+        glide_along(p, state, memory, time, drive, tolerance, readings)
+    if not reads_plainly(p):
+        read_along(p, state, time, readings)
+
+
+@inlined
+def is_anchored(p, state, anchor, before, mode_before):
+    """Return whether a stem is put anew at a sample: at each anchor, or only where it has come to rest."""
+    if math.isnan(anchor):
+        return False
+    return p.anchors_at_rest == 0.0 or (state.mode == STUCK and (mode_before != STUCK or state.position != before))
+
+
+@compiled
+def run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings, pressures, modes):
+    """Run a chain period by period, put anew at the anchors."""
+    before, mode_before = state.position, state.mode
+    for sample in range(time.shape[0]):
+        if anchors.shape[0] > 0 and is_anchored(p, state, anchors[sample], before, mode_before):
+            anchor_stem(p, state, anchors[sample], time[sample])
+        before, mode_before = state.position, state.mode
+        readings[sample] = read_sensor(p, state, time[sample])
+        if pressures.shape[0] > 0:
+            pressures[sample] = state.pressure
+            modes[sample] = mode_of(state)
+        if sample + 1 < time.shape[0]:
+            advance_period(p, state, memory, drive[sample], time[sample], time[sample + 1] - time[sample], tolerance)
 
 
 @compiled
@@ -37,20 +179,103 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, substep, 
     tolerance : float [N]
         Force left over by one linearised slip step.
     readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
-        Overwritten; pressures and modes may have shape (0, 0) and are then left out.
+        Overwritten; pressures and modes may have shape (n, 0) and are then left out.
     """
-    memory = memories[0]
+    held = np.empty(time.shape[0])
     for row in range(rows.shape[0]):
-        p, state = rows[row], states[row]
+        p, state, memory = rows[row], states[row], memories[0]
         start_chain(p, state, memory, drive[0], driven_by, time[0], substep)
+        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(p, state, time):
+            run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
+            continue
+        run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row])
+
+
+@compiled
+def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by, substep, tolerance, readings, sums):
+    """Run each row of numbers and keep the sum of its squared errors alone.
+
+    Parameters
+    ----------
+    rows : array, shape (n,), dtype PARAMETERS
+    states : array, shape (1,), dtype STATE
+        Overwritten by one row after the other, as are `memories` and `readings`.
+    measured : array, shape (m,) [m]
+        NaN where nothing was measured.
+    readings : array, shape (1, m) [m]
+    sums : array, shape (n,) [m^2]
+        Overwritten.
+    """
+    nothing = np.empty((1, 0))
+    for row in range(rows.shape[0]):
+        run_chain(
+            rows[row : row + 1], states, memories, time, drive, anchors, driven_by, substep, tolerance,
+            readings, nothing, nothing,
+        )  # fmt: skip
+        total = 0.0
         for sample in range(time.shape[0]):
-            if anchors.shape[0] > 0 and not math.isnan(anchors[sample]):
-                anchor_stem(p, state, anchors[sample], time[sample])
-            readings[row, sample] = read_sensor(p, state, time[sample])
-            if pressures.shape[0] > 0:
-                pressures[row, sample] = state.pressure
-                modes[row, sample] = mode_of(state)
-            if sample + 1 < time.shape[0]:
-                advance_period(
-                    p, state, memory, drive[sample], time[sample], time[sample + 1] - time[sample], tolerance
-                )
+            if not math.isnan(measured[sample]):
+                error = readings[0, sample] - measured[sample]
+                total += error * error
+        sums[row] = total
+
+
+@compiled
+def note_sample(p, state, time, sample):
+    """Write down what stands at an instant."""
+    sample.reading = read_sensor(p, state, time)
+    sample.pressure = state.pressure
+    sample.position = state.position
+    sample.velocity = state.velocity
+    sample.mode = mode_of(state)
+
+
+@compiled
+def trace_chain(rows, states, memories, time, drive, anchors, substep, tolerance, samples, instants, between, events):
+    """Run one row of numbers and write down all samples, what stands at instants between them, and all events.
+
+    Parameters
+    ----------
+    rows, memories : arrays, shape (1,)
+    states : array, shape (2,)
+        The second is for looking ahead. Overwritten.
+    samples : array, shape (m,), dtype SAMPLE
+    instants : array, shape (k,), increasing, within the times [s]
+    between : array, shape (k,), dtype SAMPLE
+    events : array, dtype EVENT
+        As many as it holds are written down.
+
+    Returns
+    -------
+    int
+        How many events there were.
+    """
+    p, state, ahead, memory = rows[0], states[0], states[1], memories[0]
+    start_chain(p, state, memory, drive[0], CURRENT, time[0], substep)
+    before, mode_before = state.position, state.mode
+    instant, found = 0, 0
+    for sample in range(time.shape[0]):
+        if anchors.shape[0] > 0 and is_anchored(p, state, anchors[sample], before, mode_before):
+            anchor_stem(p, state, anchors[sample], time[sample])
+        note_sample(p, state, time[sample], samples[sample])
+        is_last = sample + 1 == time.shape[0]
+        while instant < instants.shape[0] and (is_last or instants[instant] < time[sample + 1]):
+            states[1] = states[0]
+            entered, acting = memory.line_entered, memory.line_acting
+            if instants[instant] > time[sample]:
+                span = instants[instant] - time[sample]
+                advance_period(p, ahead, memory, drive[sample], time[sample], span, tolerance)
+            note_sample(p, ahead, instants[instant], between[instant])
+            memory.line_entered, memory.line_acting = entered, acting
+            instant += 1
+        if is_last:
+            break
+        before, mode_before = state.position, state.mode
+        memory.notes_events, memory.events_noted = 1.0, 0.0
+        advance_period(p, state, memory, drive[sample], time[sample], time[sample + 1] - time[sample], tolerance)
+        memory.notes_events = 0.0
+        for index in range(min(int(memory.events_noted), MOST_NOTED)):
+            if found < events.shape[0]:
+                events[found] = memory.events[index]
+            found += 1
+    return found

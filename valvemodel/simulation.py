@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from valvemodel import chain, runs
+from valvemodel import runs
 from valvemodel.errors import InputError
 from valvemodel.model import Model
-from valvemodel.parameters import MEMORY, STATE
+from valvemodel.trajectory import SUBSTEP, TOLERANCE, Setting, Trajectory, trajectory_of
 
-SUBSTEP = 1e-3
-"""Longest part of a period while the pressure moves under a held current. [s]"""
-
-TOLERANCE = 1e-2
-"""Force left over by one linearised slip step. [N]"""
-
-MODE_NAMES = {-1.0: "falling", 0.0: "stuck", 1.0: "rising"}
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """What a simulation gives, a row for each input row: the state just before the current of that row acts.
-
-    Attributes
-    ----------
-    time : array, shape (n,) [s]
-    current : array, shape (n,) [A]
-    pressure : array, shape (n,) [Pa]
-    position : array, shape (n,) [m]
-        The sensor's reading.
-    mode : array, shape (n,)
-        1 rising, 0 stuck, -1 falling.
-    """
-
-    time: np.ndarray
-    current: np.ndarray
-    pressure: np.ndarray
-    position: np.ndarray
-    mode: np.ndarray
-
-    @property
-    def mode_names(self) -> list[str]:
-        """The mode of each row in words."""
-        return [MODE_NAMES[mode] for mode in self.mode.tolist()]
+AT_REST = "rest"
+"""Asks for a run that is put anew whenever the stem has come to rest."""
 
 
 def simulate(
@@ -54,6 +21,8 @@ def simulate(
     time: np.ndarray,
     current: np.ndarray,
     start_position: float = math.nan,
+    measured: np.ndarray | None = None,
+    reanchor: float | str | None = None,
     substep: float = SUBSTEP,
     tolerance: float = TOLERANCE,
 ) -> Trajectory:
@@ -68,7 +37,13 @@ def simulate(
     time : array, shape (n,), increasing [s]
     current : array, shape (n,) [A]
     start_position : float
-        Reading at the start; by default at rest in the middle of the stuck band. [m]
+        Reading at the start; by default at rest in the middle of the stuck band, or the first measured reading of a
+        run that is re-anchored. [m]
+    measured : array, shape (n,)
+        Readings to be re-anchored on, NaN where there is none. [m]
+    reanchor : float or "rest"
+        Put the stem on the measured reading every so often [s], or whenever it has come to rest; speed and friction
+        stay as they are. By default the run is free and `measured` is not used.
     substep : float
         Longest part of a period while the pressure moves. [s]
     tolerance : float
@@ -81,7 +56,8 @@ def simulate(
     Raises
     ------
     InputError
-        If shapes differ, time does not increase or a current is negative or not finite.
+        If shapes differ, time does not increase, a current is negative or not finite, or there is nothing to be
+        re-anchored on.
 
     References
     ----------
@@ -89,18 +65,50 @@ def simulate(
     """
     time = np.ascontiguousarray(time, float)
     current = np.ascontiguousarray(current, float)
-    _check_input(time, current)
-    rows = model.rows(start_position=start_position)
-    states = np.zeros(1, STATE)
-    position, pressure, mode = (np.empty((1, len(time))) for _ in range(3))
-    runs.run_chain(
-        rows, states, np.zeros(1, MEMORY), time - time[0], current, runs.FREE, chain.CURRENT, substep, tolerance,
-        position, pressure, mode,
-    )  # fmt: skip
-    return Trajectory(time, current, pressure[0], position[0], mode[0])
+    check_input(time, current)
+    anchors = runs.FREE
+    if reanchor is not None:
+        anchors = anchors_of(time, measured, reanchor)
+        if math.isnan(start_position):
+            start_position = float(anchors[0])
+    setting = Setting(model, start_position, anchors, reanchor == AT_REST, substep, tolerance)
+    samples, _, _ = setting.trace(time, current, np.empty(0), 0)
+    return trajectory_of(time, current, samples, setting)
 
 
-def _check_input(time: np.ndarray, current: np.ndarray) -> None:
+def anchors_of(time: np.ndarray, measured: np.ndarray | None, reanchor: float | str) -> np.ndarray:
+    """Return the readings at which a run is put anew, NaN where it runs free. [m]
+
+    Parameters
+    ----------
+    time : array, shape (n,) [s]
+    measured : array, shape (n,) [m]
+    reanchor : float or "rest"
+        Every so often from the first row on [s]: at the first measured reading of each such interval.
+    """
+    rule = "a re-anchored run needs measured positions, one for each row"
+    if measured is None or np.shape(measured) != np.shape(time):
+        arrived = "none" if measured is None else f"shape {np.shape(measured)} for {len(time)} rows"
+        raise InputError(rule, f"got {arrived}", "give a record with a position, or leave the re-anchoring out")
+    measured = np.ascontiguousarray(measured, float)
+    if reanchor == AT_REST:
+        return measured
+    if isinstance(reanchor, str) or not (math.isfinite(reanchor) and reanchor > 0.0):
+        raise InputError(
+            "a run is re-anchored every so many seconds, or at `rest`", f"got {reanchor!r}", 'give for instance "2 s"'
+        )
+    is_measured = np.isfinite(measured)
+    # A sample that is short of its interval by rounding alone belongs to it.
+    interval = np.floor((time - time[0]) / reanchor * (1.0 + 1e-12) + 1e-9)
+    _, first = np.unique(interval[is_measured], return_index=True)
+    rows = np.flatnonzero(is_measured)[first]
+    anchors = np.full(len(time), np.nan)
+    anchors[rows] = measured[rows]
+    return anchors
+
+
+def check_input(time: np.ndarray, current: np.ndarray) -> None:
+    """Refuse times and currents that are none."""
     if time.ndim != 1 or time.shape != current.shape or len(time) == 0:
         raise InputError(
             "time and current are two rows of equal length",

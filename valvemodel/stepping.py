@@ -11,8 +11,8 @@ from valvemodel.compiled import compiled
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
-from valvemodel.simulation import SUBSTEP, TOLERANCE
 from valvemodel.stages.sensor import read_sensor
+from valvemodel.trajectory import SUBSTEP, TOLERANCE
 
 
 @compiled

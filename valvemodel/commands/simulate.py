@@ -17,7 +17,8 @@ Examples:
   valvemodel simulate --input ramps.csv --out out.csv
   valvemodel simulate --valve table2 --input ramps.csv --out out.csv
   valvemodel simulate --input ramps.csv --effect static_friction:static_friction_ratio=1.3 --out out.csv
-  valvemodel simulate --model report/model.json --input ramps.csv --start-position "28.15 mm" --out out.csv"""
+  valvemodel simulate --model report/model.json --input ramps.csv --start-position "28.15 mm" --out out.csv
+  valvemodel simulate --model report/model.json --input record.csv --reanchor "2 s" --out out.csv"""
 )
 @valve_option
 @click.option(
@@ -49,6 +50,19 @@ Examples:
     help='Reading at the start, as "28.15 mm".  [default: at rest in the middle of the stuck band]',
 )
 @click.option(
+    "--reanchor",
+    metavar="QUANTITY",
+    help='Put the stem on the input\'s `position` every so often, as "2 s", or at `rest`: whenever it comes to rest. '
+    "Speed and friction stay as they are.  [default: the run is free]",
+)
+@click.option(
+    "--events",
+    "events_file",
+    metavar="EVENTS.csv",
+    type=click.Path(path_type=Path),
+    help="Also write every breakaway, stop, reversal and impact at its own instant.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="OUT.csv",
@@ -61,29 +75,39 @@ def simulate(
     input_file: Path,
     effects: tuple[str, ...],
     start_position: str | None,
+    reanchor: str | None,
+    events_file: Path | None,
     out: Path,
 ) -> None:
     """Simulate a valve under currents that are held from each row to the next.
 
     The base model is exact: sticking and slipping by mode, stops and breakaways in closed form, no step size.
     OUT.csv has time, current, pressure, position (the sensor's reading) and mode (stuck, rising, falling) at
-    the input's times; a row shows the state just before its current acts. A position in it is not used.
+    the input's times; a row shows the state just before its current acts. A position in the input is used by
+    --reanchor only.
     """
     if valve is not None and model_file is not None:
         raise click.UsageError("--valve and --model exclude each other: give one of them.")
     check_file(out)
     check_not_input(out, {"--input": input_file, "--model": model_file, "--valve": valve})
+    if events_file is not None:
+        check_file(events_file)
+        check_not_input(events_file, {"--input": input_file, "--model": model_file, "--valve": valve})
+        if events_file.resolve() == out.resolve():
+            raise click.UsageError("--events and --out name the same file: give two.")
     import math
 
     from valvemodel.model import read_model
     from valvemodel.quantities import format_quantity, parse_quantity
     from valvemodel.records import read_record, write_table
+    from valvemodel.simulation import AT_REST
     from valvemodel.simulation import simulate as run
 
     model = valve_model(valve)[0] if model_file is None else read_model(model_file)
     model, notes = with_effects(model, effects)
     start = math.nan if start_position is None else parse_quantity(start_position, unit="m")
-    record = read_record(input_file, needs=("time", "current"), allow_loop=False)
+    needs = ("time", "current") if reanchor is None else ("time", "current", "position")
+    record = read_record(input_file, needs=needs, allow_loop=False)
     assert record.time is not None
     assert record.current is not None
     for note in notes:
@@ -92,7 +116,14 @@ def simulate(
     travel = model.values["rated_travel"]
     if abs(start) > travel:
         warn([f"the start at {format_quantity(start, 'm')} is beyond the rated travel, {format_quantity(travel, 'm')}"])
-    trajectory = run(model, time=record.time, current=record.current, start_position=start)
+    trajectory = run(
+        model,
+        time=record.time,
+        current=record.current,
+        start_position=start,
+        measured=record.position,
+        reanchor=reanchor if reanchor in (None, AT_REST) else parse_quantity(reanchor, unit="s"),
+    )
     write_table(
         out,
         {
@@ -104,3 +135,15 @@ def simulate(
         },
     )
     click.echo(f"wrote {out}: {len(record)} rows", err=True)
+    if events_file is not None:
+        events = trajectory.events
+        write_table(
+            events_file,
+            {
+                "time [s]": events.time,
+                "event": events.kind.tolist(),
+                "stem position [mm]": 1e3 * events.position,
+                "speed [mm/s]": 1e3 * events.speed,
+            },
+        )
+        click.echo(f"wrote {events_file}: {len(events)} events", err=True)

@@ -26,8 +26,9 @@ def lay_chamber(p, state, memory, spacing, count):
     """Let the chamber fill towards its resting pressures at the nodes, by eq. (15)."""
     supply, pressures, lag = p.supply_pressure, memory.pressures, memory.lags[1]
     rate = filling_rate(p, state.chamber_pressure, pressures[0], memory.gaps[0])
-    is_kept = lag.spacing == spacing and abs(rate - lag.rate) * spacing * count <= KEPT
-    remember_lag(lag, lag.rate if is_kept else rate, spacing, count)
+    if not abs(rate - state.chamber_rate) * spacing * count <= KEPT:
+        state.chamber_rate = rate
+    remember_lag(lag, state.chamber_rate, spacing, count)
     start = state.chamber_pressure
     for node in range(count + 1):
         memory.values[node] = start

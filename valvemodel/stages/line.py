@@ -8,7 +8,7 @@ CAPACITY = 16384
 """Drives that are under way in the line at once, at most."""
 
 ROUNDING = 1e-12
-"""Instants and durations that differ by less are equal but for the rounding of their times. [s]"""
+"""Instants that differ by less are equal but for the rounding of their times. [s]"""
 
 
 @compiled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.part import hold_pressure, pressure_at
+from valvemodel.stages.part import pressure_at
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
 from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
 from valvemodel.stages.stem import (
@@ -64,7 +64,7 @@ def plan_stem(p, state):
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.known_duration = state.quiet_duration = -1.0
-    state.trial_step = math.inf
+    state.trial_step, state.kept_length, state.chamber_rate = math.inf, -1.0, math.nan
 
 
 @inlined
@@ -212,7 +212,9 @@ def advance_slip(p, state, memory, pressure, duration):
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True
-            step = slip_end(mass, viscous, stiffness, speed, start, coulomb - breakaway, step)
+            # Well inside what holds it, or rounding would let it break away anew.
+            excess = coulomb * (1.0 - breakaway_ratio(p) * (1.0 + 0.5 * HOLD))
+            step = slip_end(mass, viscous, stiffness, speed, start, excess, step)
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start

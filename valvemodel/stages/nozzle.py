@@ -224,6 +224,16 @@ def resting_pressure_of_chain(p, gap, current):
     return resting_pressure(p, gap, p.supply_pressure)
 
 
+@inlined
+def advance_nozzle(p, state, gap, current):
+    """Hold a gap and return the actuator pressure that it gives where nothing fills or sags. [Pa]
+
+    Valve sets with an affine map of current to pressure use the current instead of the gap.
+    """
+    state.pressure = behind_leak(p, resting_pressure_of_chain(p, gap, current))
+    return state.pressure
+
+
 @compiled
 def drawn_to_settle(p, share):
     """Return the sag of the supply that the flow through the orifice keeps up. [Pa]"""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at, value_at
+from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import FALLING, RISING, STUCK, sliding_friction, thrust

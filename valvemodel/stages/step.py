@@ -68,7 +68,7 @@ def slip_force(p, memory, node, position, speed):
 def sweep_step(p, state, memory, length, count, tolerance):
     """Lay the motion over a step of a length; return its estimated error, infinite where the passes diverge. [m]"""
     memory.step_spacing, memory.step_count = length / count, count
-    choose_linear_part(memory, length, count)
+    choose_linear_part(state, memory, length, count)
     response, is_held = memory.responses[0], memory.part_count == 0.0
     for node in range(1, count + 1):
         memory.step_pressures[node] = memory.step_pressures[0]
@@ -97,15 +97,17 @@ def sweep_step(p, state, memory, length, count, tolerance):
 
 
 @compiled
-def choose_linear_part(memory, length, count):
-    """Take the linear part at the start of the step, or one that was known before and serves as well."""
-    response = memory.responses[0]
-    if response.spacing == memory.step_spacing and response.count == count:
-        off = abs(response.stiffness - memory.step_stiffness) * response.way[count, 0]
-        off += abs(response.damping - memory.step_damping) * response.impulse[count]
+def choose_linear_part(state, memory, length, count):
+    """Take the linear part at the start of the step, or the last one where that serves as well."""
+    response, damping, stiffness = memory.responses[0], memory.step_damping, memory.step_stiffness
+    if state.kept_length == length:
+        off = abs(state.kept_stiffness - stiffness) * state.kept_way
+        off += abs(state.kept_damping - damping) * state.kept_impulse
         if off <= KEPT:
-            return
-    remember_response(response, memory.step_damping, memory.step_stiffness, memory.step_spacing, count)
+            damping, stiffness = state.kept_damping, state.kept_stiffness
+    remember_response(response, damping, stiffness, memory.step_spacing, count)
+    state.kept_length, state.kept_damping, state.kept_stiffness = length, damping, stiffness
+    state.kept_way, state.kept_impulse = abs(response.way[count, 0]), abs(response.impulse[count])
 
 
 @compiled

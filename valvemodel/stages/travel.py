@@ -9,8 +9,8 @@ from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at, v
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.slip import STOP_SPEED, first_stop
-from valvemodel.stages.step import begin_step, slip_force, sweep_step
 from valvemodel.stages.stem import sliding_friction, thrust
+from valvemodel.stages.step import begin_step, slip_force, sweep_step
 
 STEP_SHARE = 0.1
 """Share of the tolerance that one step may use."""
