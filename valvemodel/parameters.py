@@ -71,17 +71,17 @@ EVENT = np.dtype([(name, "f8") for name in ("time", "position", "speed_before", 
 MOST_NOTED = 4096
 """Events that one period can leave behind."""
 
-LAG = np.dtype(
-    [("rate", "f8"), ("spacing", "f8"), ("count", "f8")]
-    + [("decay", "f8", (NODES + 1,)), ("response", "f8", (NODES + 1, NODES + 1))]
-)
+_ROW, _TABLE = (NODES + 1,), (NODES + 1, NODES + 1)
+
+LAG = np.dtype([("rate", "f8"), ("spacing", "f8"), ("count", "f8"), ("decay", "f8", _ROW), ("response", "f8", _TABLE)])
 """Type of what is known of a first-order lag over the nodes of a part."""
 
 RESPONSE = np.dtype(
-    [("damping", "f8"), ("stiffness", "f8"), ("spacing", "f8"), ("count", "f8")]
-    + [("impulse", "f8", (NODES + 1,)), ("rate", "f8", (NODES + 1,)), ("doubled", "f8", (NODES + 1,))]
-    + [("way", "f8", (NODES + 1, NODES + 1))]
-)
+    [
+        ("damping", "f8"), ("stiffness", "f8"), ("spacing", "f8"), ("count", "f8"),
+        ("impulse", "f8", _ROW), ("rate", "f8", _ROW), ("doubled", "f8", _ROW), ("way", "f8", _TABLE),
+    ]
+)  # fmt: skip
 """Type of what is known of a linear slip over the nodes of a step."""
 
 MEMORY = np.dtype(
@@ -107,7 +107,7 @@ MEMORY = np.dtype(
         )
     ]
     + [
-        (name, "f8", (NODES + 1,))
+        (name, "f8", _ROW)
         for name in (
             "part_powers", "currents", "gaps", "pressures", "shares",
             "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "limits", "feeds",

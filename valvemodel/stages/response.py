@@ -66,9 +66,9 @@ def respond(response, damping, stiffness, spacing, count):
             break
     way[1, count], way[1, count - 1] = highest, next_highest
     for power in range(count, 1, -1):
-        way[1, power - 2] = (
-            short * short - by_damping * power * way[1, power - 1] - by_stiffness * way[1, power]
-        ) / (power * (power - 1.0))
+        way[1, power - 2] = (short * short - by_damping * power * way[1, power - 1] - by_stiffness * way[1, power]) / (
+            power * (power - 1.0)
+        )
     for _ in range(halvings):
         free, scale = 1.0 - stiffness * way[1, 0], 1.0
         for power in range(count + 1):

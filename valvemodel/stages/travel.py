@@ -88,8 +88,9 @@ def first_event(p, state, memory, count, ended, room, contact):
         way, speed, before = memory.ways[node], memory.speeds[node], memory.speeds[node - 1]
         if node <= last and speed <= 0.0:
             return STOP, node - 1.0, float(node)
-        if node < count and speed < before and memory.speeds[node + 1] > speed:
-            # It may dip below 0 between the nodes.
+        bend = before - 2.0 * speed + memory.speeds[node + 1] if node < count else 0.0
+        if speed < before and speed < before + bend and speed < 0.5 * bend:
+            # Lowest about this node, and so low that it may dip below 0 between the nodes.
             lowest = lowest_place(memory, count, node)
             if value_at(count, memory.powers, lowest) <= 0.0:
                 return STOP, node - 1.0, lowest
@@ -97,9 +98,9 @@ def first_event(p, state, memory, count, ended, room, contact):
             return LIMIT, node - 1.0, float(node)
         if node <= last and TOUCHING < contact < way and memory.ways[node - 1] < contact:
             return CONTACT, node - 1.0, float(node)
-        if node <= last and speed < STOP_SPEED and p.presliding_compliance == 0.0:
-            if rest_excess(p, state, memory, node) <= 0.0:
-                return REST, node - 1.0, float(node)
+        is_slow = node <= last and speed < STOP_SPEED and p.presliding_compliance == 0.0
+        if is_slow and rest_excess(p, state, memory, node) <= 0.0:
+            return REST, node - 1.0, float(node)
     return NOTHING, 0.0, 0.0
 
 
@@ -199,5 +200,5 @@ def finish_step(p, state, memory, count, ended):
         state.bristle = side * memory.bristles[count]
     if ended == LIMIT:
         meet_limit(p, state, speed)
-    elif ended == STOP or ended == REST:
+    elif ended in (STOP, REST):
         come_to_rest(state)
