@@ -88,8 +88,8 @@ def first_event(p, state, memory, count, ended, room, contact):
         way, speed, before = memory.ways[node], memory.speeds[node], memory.speeds[node - 1]
         if node <= last and speed <= 0.0:
             return STOP, node - 1.0, float(node)
-        bend = before - 2.0 * speed + memory.speeds[node + 1] if node < count else 0.0
-        if speed < before and speed < before + bend and speed < 0.5 * bend:
+        after = memory.speeds[node + 1] if node < count else speed
+        if speed < before and speed < after and speed < 0.5 * (before + after - 2.0 * speed):
             # Lowest about this node, and so low that it may dip below 0 between the nodes.
             lowest = lowest_place(memory, count, node)
             if value_at(count, memory.powers, lowest) <= 0.0:
