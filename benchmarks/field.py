@@ -23,7 +23,7 @@ def data_folder() -> Path:
 @click.command()
 def main() -> None:
     """Print verdict, gap before and after on the unseen record, and seconds, for each valve."""
-    from diagnosis.diagnose import diagnose
+    from diagnosis.diagnosing import diagnose
     from identification.experiment import Experiment
     from identification.fit import Fit
     from identification.timing import experiments_of

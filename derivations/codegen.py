@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from derivations.glossary import LETTERS
 from derivations.printer import Printer
 from derivations.sources import Source, sources
+from derivations.symmetry_table import render_symmetries
 
 VELOCITY_BAND = 1e-4  # m/s, the paper's epsilon
 _WIDTH = 120
@@ -28,21 +29,21 @@ NUMERIC = Dialect(
     "The stage maps and friction laws for numbers: NumPy arrays, and scalars under numba.njit.",
     "Arguments may be arrays that broadcast; all quantities are SI.",
     "import numpy as np",
-    Printer({"sqrt": "np.sqrt", "sign": "np.sign", "Abs": "np.abs", "tanh": "np.tanh"}, "np.pi"),
+    Printer({"sqrt": "np.sqrt", "sign": "np.sign", "Abs": "np.abs", "tanh": "np.tanh", "exp": "np.exp"}, "np.pi"),
 )
 SYMBOLIC = Dialect(
     "valvemodel/equations/symbolic.py",
     "The stage maps and friction laws on CasADi's SX and MX, for gradients and optimisation.",
     "The same functions as in `numeric`, from the same expressions; all quantities are SI.",
     "import math\n\nimport casadi as ca",
-    Printer({"sqrt": "ca.sqrt", "sign": "ca.sign", "Abs": "ca.fabs", "tanh": "ca.tanh"}, "math.pi"),
+    Printer({"sqrt": "ca.sqrt", "sign": "ca.sign", "Abs": "ca.fabs", "tanh": "ca.tanh", "exp": "ca.exp"}, "math.pi"),
 )
 
 
 def render() -> dict[str, str]:
     """Return the text of each generated file by its path from the repository's root."""
     functions = sources()
-    return {dialect.path: _module(dialect, functions) for dialect in (NUMERIC, SYMBOLIC)}
+    return {dialect.path: _module(dialect, functions) for dialect in (NUMERIC, SYMBOLIC)} | render_symmetries()
 
 
 def _module(dialect: Dialect, functions: tuple[Source, ...]) -> str:
@@ -66,13 +67,15 @@ def _function(dialect: Dialect, source: Source) -> str:
         f"    {LETTERS[letter].name} : {LETTERS[letter].meaning}. [{LETTERS[letter].unit}]\n"
         for letter in source.letters.split()
     )
+    # Equations of the paper are numbered, effects are named.
+    origin = f"{'Paper' if source.equation.startswith('(') else 'Effect'} {source.equation}"
     body = "\n".join(f"    {line}" for line in _body(dialect.printer, source))
     return f'''
 
 {_signature(source)}
     """{source.sentence}
 
-    Paper {source.equation}. Returns [{source.unit}].
+    {origin}. Returns [{source.unit}].
 
 {given}    """
 {body}

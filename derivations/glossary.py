@@ -64,6 +64,10 @@ _NOZZLE = (
     Letter("delta", "gap", "m", "distance from nozzle to flapper"),
     Letter("delta_max", "maximum_gap", "m", "that distance with no current"),
     Letter("K", "flow_ratio", "1/m^2", "16 C_q2^2 D_2^2 / (C_q1^2 D_1^4)"),
+    Letter(
+        "P_0", "pressure_at_zero_current", "Pa", "offset of a straight current-pressure line; not in the paper", "any"
+    ),
+    Letter("P_i", "pressure_per_current", "Pa/A", "slope of a straight current-pressure line; not in the paper"),
 )
 _ELECTROMAGNET = (
     Letter("x", "air_gap", "m", "travel of the flapper in (12), air gap of the magnet in (22)"),
@@ -124,8 +128,40 @@ _CALIBRATION = (
     Letter("e_sum", "error_sum", "m", "sum of e(j), j = 0..k", "any", "sum_e"),
 )
 
-LETTERS = {letter.letter: letter for letter in (*_STEM, *_NOZZLE, *_ELECTROMAGNET, *_INTEGRATION, *_CALIBRATION)}
-assert len(LETTERS) == sum(map(len, (_STEM, _NOZZLE, _ELECTROMAGNET, _INTEGRATION, _CALIBRATION))), (
+_EFFECTS = (
+    Letter("r_m", "saturation_slope", "1", "slope above the knee over slope below"),
+    Letter("i_k", "saturation_knee", "A", "current at the knee"),
+    Letter("w_i", "saturation_rounding", "A", "width of the knee"),
+    Letter("T_f", "chamber_filling_time", "s", "time to fill to P_1 at the full orifice flow"),
+    Letter("g_f", "filling_growth", "1", "growth of that time from no pressure to P_1", "any"),
+    Letter("r_p", "pressure_ratio", "1", "absolute pressure behind a hole over that before it"),
+    Letter("b_c", "critical_pressure_ratio", "1", "b of ISO 6358"),
+    Letter("s_p", "pressure_share", "1", "pressure over supply"),
+    Letter("c_d", "droop_consumption", "1", "sag over P_1 at the full flow of the orifice"),
+    Letter("P_a", "actuator_pressure", "Pa", "gauge pressure behind the leak"),
+    Letter("l_a", "leak_ratio", "1", "pressure lost over supply at full pressure"),
+    Letter("a_y1", "area_slope", "1/m", "share of area over travel", "any"),
+    Letter("a_y2", "area_curvature", "1/m^2", "share of area over travel squared", "any"),
+    Letter("h_k", "spring_hardening", "1/m^2", "share of stiffening over travel squared", "any"),
+    Letter("A_t", "tight_spot_excess", "1", "excess friction in the middle of the spot", "any"),
+    Letter("y_t", "tight_spot_position", "m", "middle of the spot", "any"),
+    Letter("w_t", "tight_spot_width", "m", "half-width at 1/e"),
+    Letter("S_p", "friction_area", "m^2", "friction per pressure", "any"),
+    Letter("n_p", "friction_pressure_order", "1", "power of the pressure"),
+    Letter("u_y", "speed", "m/s", "speed of the stem along its motion"),
+    Letter("r_s", "stribeck_ratio", "1", "friction at speed 0 over Coulomb friction"),
+    Letter("v_b", "stribeck_velocity", "m/s", "speed at which the drop has fallen to 1/e"),
+    Letter("n_s", "stribeck_shape", "1", "1 falls exponentially, 2 as a bell"),
+    Letter("h_l", "linkage_bow", "m", "bow in the middle of the travel", "any"),
+    Letter("s_l", "linkage_skew", "m", "swing between the halves of the travel", "any"),
+    Letter("L", "rated_travel", "m", "travel from 0 to 100 %"),
+)
+"""What the paper has no letters for: named as the effects declare it."""
+
+LETTERS = {
+    letter.letter: letter for letter in (*_STEM, *_NOZZLE, *_ELECTROMAGNET, *_INTEGRATION, *_CALIBRATION, *_EFFECTS)
+}
+assert len(LETTERS) == sum(map(len, (_STEM, _NOZZLE, _ELECTROMAGNET, _INTEGRATION, _CALIBRATION, _EFFECTS))), (
     "a letter is bound twice"
 )
 

@@ -69,11 +69,11 @@ class Printer:
         number, factors = expression.as_coeff_mul()
         sign, number = ("-", -number) if number < 0 else ("", number)
         parts = [sp.Integer(number.p), sp.Integer(number.q), *factors]
-        powers = [factor.as_base_exp() for factor in parts[2:]]
+        powers = [_base_and_power(factor) for factor in parts[2:]]
         root = sp.Mul(*(base ** (2 * power) for base, power in powers if abs(power) == _HALF), evaluate=True)
         above = [factor for factor, (_, power) in zip(factors, powers, strict=True) if not _is_below(power)]
         below = [base**-power for base, power in powers if _is_below(power) and abs(power) != _HALF]
-        above = [factor for factor in above if abs(factor.as_base_exp()[1]) != _HALF]
+        above = [factor for factor in above if abs(_base_and_power(factor)[1]) != _HALF]
         top = [self._inside(factor, _POWER) for factor in above]
         bottom = [self._inside(factor, _POWER) for factor in below]
         if root != 1 and sp.numer(root) == 1:
@@ -82,6 +82,9 @@ class Printer:
             top.append(f"{self.spelling['sqrt']}({self.line(root)})")
         top = ([str(number.p)] if number.p != 1 or not top else []) + top
         bottom = ([str(number.q)] if number.q != 1 else []) + bottom
+        if sign and above and top[0] == self._print(above[0])[0] and self._print(above[0])[1] == _POWER:
+            # The formatter puts a power in brackets behind a minus.
+            top[0] = f"({top[0]})"
         text = sign + " * ".join(top)
         if bottom:
             text += " / " + (bottom[0] if len(bottom) == 1 else f"({' * '.join(bottom)})")
@@ -95,6 +98,11 @@ class Printer:
         assert isinstance(band, sp.StrictLessThan | sp.StrictGreaterThan)
         limit = f"{self.line(band.lts)} >= {self.line(band.gts)}"
         return f"({limit}) * {self._inside(value, _PRODUCT)}"
+
+
+def _base_and_power(factor: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """A power taken apart; the exponential is a function here, not a power of e."""
+    return (factor, sp.S.One) if isinstance(factor, sp.exp) else factor.as_base_exp()
 
 
 def _is_below(power: sp.Expr) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derivations import electromagnet, nozzle, self_calibration, stem
+from derivations import electromagnet, nozzle, self_calibration, slopes, stem
 from derivations.electromagnet import PRINTED, RIGHT
 from derivations.glossary import LETTERS, symbol, symbols
 
@@ -61,7 +61,14 @@ def _name(name: str) -> sp.Symbol:
 
 def sources() -> tuple[Source, ...]:
     """Return all functions to generate, in the order of the chain."""
-    return (*_electromagnet(), *_flux(), *_nozzle(), *_stem(), *_self_calibration())
+    return (
+        *_electromagnet(),
+        *_flux(),
+        *_nozzle(),
+        *_stem(),
+        *_self_calibration(),
+        *(Source(*row) for row in slopes.rows()),
+    )
 
 
 def _electromagnet() -> Iterator[Source]:

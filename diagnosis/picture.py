@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.diagnose import Cause, Diagnosis
+from diagnosis.diagnosing import Cause, Diagnosis
 from diagnosis.report import Evidence, Rank, RecordEvidence, Step
 from identification.experiment import Experiment
 from identification.fit import simulate_model
@@ -16,6 +16,7 @@ from valvemodel.effects import effect_of_key
 
 def evidence_of(diagnosis: Diagnosis) -> Evidence:
     """Return what the pictures of a diagnosis show."""
+    designed = diagnosis.next_experiment
     return Evidence(
         records=tuple(record_evidence(diagnosis, experiment) for experiment in diagnosis.experiments),
         steps=tuple(Step(label, rms) for label, rms in diagnosis.steps),
@@ -25,6 +26,7 @@ def evidence_of(diagnosis: Diagnosis) -> Evidence:
         seconds=diagnosis.seconds,
         valve_name=diagnosis.given.name,
         warnings=diagnosis.warnings,
+        next_input=None if designed is None else (designed.time, designed.current),
     )
 
 

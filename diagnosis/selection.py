@@ -57,17 +57,15 @@ class Candidate:
         On unseen data.
     trace : float [noise]
         Change of the reading, root mean square, when the least of the effects is taken out; infinite for the base.
+    freedom : int
+        Number of the effects' free parameters.
     """
 
     effects: tuple[str, ...]
     fit: Fit
     score: Score
     trace: float = math.inf
-
-    @property
-    def freedom(self) -> int:
-        """Number of the effects' free parameters."""
-        return sum(len(effect_of_key(key).fitted) for key in self.effects)
+    freedom: int = 0
 
 
 @contextmanager
@@ -90,7 +88,8 @@ def try_effect(fit: Fit, effects: tuple[str, ...], holdout: Holdout) -> Candidat
 
     with threadpool_limits(1):
         extended = extend(fit, effects[-1])
-        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout))
+        freedom = sum(len(effect_of_key(key).fitted) for key in effects)
+        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:
@@ -106,14 +105,16 @@ def trace_of(fit: Fit, holdout: Holdout) -> float:
     return min(changes)
 
 
-def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: Progress) -> list[Candidate]:
+def select(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
     """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
 
     The effects that need a global search come last, and only where no other one explains the gap.
     """
     tried = [base]
     for is_jagged in (False, True):
-        keys = [effect.key for effect in library_for(holdout) if effect.is_jagged == is_jagged]
+        keys = [effect.key for effect in library if effect.is_jagged == is_jagged]
         if is_jagged and any(explains(each, base) for each in tried):
             break
         tried += try_all([(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
@@ -124,10 +125,12 @@ def select(base: Candidate, holdout: Holdout, pool: Executor | None, progress: P
             break
         work: list[tuple[Fit, tuple[str, ...]]] = []
         for leader in leaders:
-            for key in shortlist(leader.fit, library_for(holdout)):
+            for key in shortlist(leader.fit, library):
                 effects = (*leader.effects, key)
                 if not any(set(effects) == set(other) for _, other in work):
                     work.append((leader.fit, effects))
+        if not work:
+            break
         tried += try_all(work, holdout, pool, progress, f"{size} effects together")
         best = min((each for each in tried if len(each.effects) == size), key=misfit)
         if misfit(best) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
@@ -150,10 +153,11 @@ def explains(candidate: Candidate, base: Candidate) -> bool:
     return misfit(candidate) < GOOD_ENOUGH or left < FORM_SHARE**2 * before
 
 
-def library_for(holdout: Holdout) -> list[Effect]:
-    """Return the effects that the records can show: settled loops show none that acts in time."""
+def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:
+    """Return the effects, of those named or of all, that the records can show: settled loops none that acts in time."""
     is_loop = all(experiment.is_loop for experiment in holdout.experiments)
-    return [effect for effect in EFFECTS if not (is_loop and effect.acts_in_time)]
+    named = EFFECTS if keys is None else [effect_of_key(key) for key in dict.fromkeys(keys)]
+    return [effect for effect in named if not (is_loop and effect.acts_in_time)]
 
 
 def shortlist(fit: Fit, library: Sequence[Effect]) -> list[str]:

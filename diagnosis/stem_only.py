@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.diagnose import Cause, Progress, content_of
-from diagnosis.regimes import Regime, masks_of
+from diagnosis.diagnosing import Cause, Progress, content_of
+from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
 from identification.experiment import Experiment
 from identification.inverse_dynamics import (
@@ -34,6 +34,7 @@ from identification.inverse_dynamics.diagnose import (
     UNKNOWN_FROM,
 )
 from identification.inverse_dynamics.fit import blocks_of, nominal_residual, root_mean_square
+from identification.regimes import masks_of
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError

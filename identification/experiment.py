@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from identification.noise import noise_level
-from valvemodel import chain, runs
+from valvemodel import chain, loops, runs
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.records import Record
 
@@ -27,8 +27,8 @@ ANCHOR_REACH = 3
 ANCHOR_TOLERANCE = 1.5
 """A run is put anew on an anchor from which it is off by more than this, far above the anchor's own error. [noise]"""
 
-LOOP_NOISE = 0.002
-"""Noise of a settled loop, which has no neighbours in time to take it from, over its range."""
+LEAST_LOOP_NOISE = 1e-4
+"""Noise of a settled loop over its range, where its readings show less."""
 
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
@@ -54,6 +54,8 @@ class Experiment:
         Number of the block in time that a sample belongs to.
     is_loop : bool
         Whether the time is made up: settled pairs without one.
+    is_ramped : bool
+        Whether the current of a loop ramps slowly from value to value, instead of stepping.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Experiment:
     pressure_noise: float
     block: np.ndarray
     is_loop: bool = False
+    is_ramped: bool = False
 
     @cached_property
     def anchors(self) -> np.ndarray:
@@ -97,7 +100,7 @@ class Experiment:
         return float(np.median(self.position[np.isfinite(self.position)][:5]))
 
 
-def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
+def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool = False) -> Experiment:
     """Make an experiment from a time record or a settled loop.
 
     Each current is held for a period. A row of a time record holds the state at the period's start, just before its
@@ -111,8 +114,8 @@ def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
     pressure = None if record.pressure is None else np.ascontiguousarray(record.pressure, float)
     if record.time is None:
         time = SETTLING_TIME * np.arange(len(current))
-        noise = max(LOOP_NOISE * float(np.ptp(position)), 1e-9)
-        pressure_noise = 0.0 if pressure is None else LOOP_NOISE * float(np.ptp(pressure))
+        noise = _noise_of_loop(position)
+        pressure_noise = 0.0 if pressure is None else _noise_of_loop(pressure)
         period, block_time = SETTLING_TIME, 4.0 * SETTLING_TIME
     else:
         time = np.ascontiguousarray(record.time - record.time[0], float)
@@ -127,7 +130,13 @@ def experiment_of(record: Record, *, reads_at_end: bool = False) -> Experiment:
         pressure = None if pressure is None else np.insert(pressure, 0, np.nan)
     block = (time // block_time).astype(int)
     is_loop = record.time is None
-    return Experiment(record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop)
+    return Experiment(
+        record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop, is_loop and is_ramped
+    )
+
+
+def _noise_of_loop(signal: np.ndarray) -> float:
+    return max(noise_level(signal), LEAST_LOOP_NOISE * float(np.ptp(signal)), 1e-9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,9 +156,15 @@ def simulate_rows(
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     with_pressure: bool = False,
+    in_closed_form: bool = False,
 ) -> Simulated:
-    """Run each row of numbers over an experiment, exactly or at a search's stated tolerance."""
+    """Run each row of numbers over an experiment, exactly or at a search's stated tolerance.
+
+    Each step of a loop is settled in closed form where the model allows it, else its current is held for some seconds.
+    """
     shape = (len(rows), len(experiment.time))
+    if experiment.is_loop and in_closed_form:
+        return _settled(experiment, rows)
     position = np.empty(shape)
     pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
     states = np.zeros(len(rows), STATE)
@@ -159,3 +174,38 @@ def simulate_rows(
         substep, tolerance, position, pressure, mode,
     )  # fmt: skip
     return Simulated(position, pressure, mode)
+
+
+def _settled(experiment: Experiment, rows: np.ndarray) -> Simulated:
+    """Settle each row of numbers along a loop; a row of the experiment holds where the current before it led."""
+    shape = (len(rows), len(experiment.time))
+    position, pressure, mode = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    found = [np.empty((len(rows), shape[1] - 1)) for _ in range(3)]
+    loops.settle_rows(rows, np.zeros(1, STATE), experiment.current[:-1], experiment.is_ramped, *found)
+    for whole, part in zip((position, pressure, mode), found, strict=True):
+        whole[:, 1:] = part
+        whole[:, 0] = part[:, 0]
+    return Simulated(position, pressure, mode)
+
+
+def score_rows(
+    experiment: Experiment,
+    used: np.ndarray,
+    rows: np.ndarray,
+    *,
+    substep: float,
+    tolerance: float,
+    anchors: np.ndarray = runs.FREE,
+    in_closed_form: bool = False,
+) -> np.ndarray:
+    """Return what each row of numbers misses of the positions that count, squared and summed, shape (rows,). [m^2]"""
+    measured = np.where(used, experiment.position, np.nan)
+    if experiment.is_loop and in_closed_form:
+        return np.nansum((_settled(experiment, rows).position - measured) ** 2, axis=1)
+    sums = np.empty(len(rows))
+    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
+    runs.score_rows(
+        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, anchors,
+        chain.CURRENT, substep, tolerance, np.empty((1, len(measured))), sums,
+    )  # fmt: skip
+    return sums

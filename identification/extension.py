@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.hints import starts_of
@@ -34,6 +35,7 @@ class Trial:
     gain: float
 
 
+@threadpool_limits.wrap(limits=1)
 def extend(fit: Fit, key: str) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 

@@ -6,16 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
 from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
+from identification.wide import search_wide
 from valvemodel import runs
+from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 REFIT_EVALUATIONS, REFIT_PRECISION = 15, 1e-7
 """The last descent, over all data: it begins at the fit to a part of them and is short."""
+
+WIDE = 1.2
+"""A base parameter is searched for within this many of its prior's powers of e: from a third to three times."""
+
+START_REACH = 4.0
+"""A start position is searched for within this many times the noise of the first readings' median."""
 
 Masks = Sequence[np.ndarray]
 
@@ -55,6 +64,7 @@ def simulate_model(
         tolerance=SEARCH_TOLERANCE,
         anchors=experiment.anchors if is_anchored else runs.FREE,
         with_pressure=True,
+        in_closed_form=settles_in_closed_form(model),
     )
 
 
@@ -64,34 +74,36 @@ def measured(experiments: Sequence[Experiment]) -> list[np.ndarray]:
 
 
 def fit_base(model: Model, experiments: Sequence[Experiment], used: Masks | None = None) -> Fit:
-    """Fit the base parameters k, F_c, f_v, c0, E and the start positions.
-
-    Several starts about the model's values, a short descent from each, and a long one from the best.
+    """Fit the base parameters k, F_c, f_v, c0, E and the start positions, from no good start.
 
     Parameters
     ----------
     model : Model
-        Where the search begins, and what gives the numbers that are not fitted.
+        Gives the numbers that are not fitted; the search reaches from a third to three times its fitted ones.
     experiments : sequence of Experiment
     used : sequence of arrays of bool, or None for all that was measured
     """
-    unknowns = base_unknowns(model) + [
+    unknowns = base_and_start_unknowns(model, experiments)
+    problem = Problem(model, experiments, unknowns, used or measured(experiments))
+    return finished(problem, search_wide(problem, base_box(unknowns, experiments)))
+
+
+def base_and_start_unknowns(model: Model, experiments: Sequence[Experiment]) -> list[Unknown]:
+    """Return the free base parameters and the start position of each experiment."""
+    return base_unknowns(model) + [
         start_unknown(experiment.first_reading, number) for number, experiment in enumerate(experiments)
     ]
-    problem = Problem(model, experiments, unknowns, used or measured(experiments))
-    names = [unknown.name for unknown in unknowns]
-    starts = []
-    for spring, friction, gap in ((0.0, 0.0, 0.0), (0.0, -0.7, 0.0), (0.3, 0.4, 0.1), (-0.3, 0.0, -0.1)):
-        start = np.zeros(len(unknowns))
-        for name, x in (("spring_rate", spring), ("coulomb_friction", friction)):
-            start[names.index(name)] = x
-        if "gap_offset" in names:
-            start[names.index("gap_offset")] = gap
-            start[names.index("gap_gain")] = gap
-        starts.append(start)
-    trials = [descend(problem, start, evaluations=8, precision=1e-3) for start in starts]
-    best = min(trials, key=lambda trial: trial.error)
-    return finished(problem, descend(problem, best.point, evaluations=40, precision=1e-8))
+
+
+def base_box(unknowns: Sequence[Unknown], experiments: Sequence[Experiment]) -> list[tuple[float, float]]:
+    """Return how far a search looks for base parameters and start positions, scaled."""
+    box = []
+    for unknown in unknowns:
+        reach = min(unknown.prior_spread, 1.0) * WIDE
+        if unknown.experiment >= 0:
+            reach = START_REACH * experiments[unknown.experiment].noise / unknown.spread
+        box.append((-reach, reach))
+    return box
 
 
 def finished(problem: Problem, found: Found) -> Fit:
@@ -106,6 +118,7 @@ def finished(problem: Problem, found: Found) -> Fit:
     return Fit(model, tuple(problem.starts(found.point)), problem, found)
 
 
+@threadpool_limits.wrap(limits=1)
 def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
     """Fit the unknowns of a fit once more, to all that was measured, from where they are."""
     pairs = list(zip(fit.unknowns, fit.found.point, strict=True))

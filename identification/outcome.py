@@ -6,24 +6,37 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from identification.extension import extend
-from identification.fit import fit_base, fitted_to_all, measured
-from identification.holdout import EVERY, hold_out
+from identification.adequacy import undetermined_by
+from identification.determined.account import Account, account_of, account_of_stem
+from identification.determined.sampling import sampled
+from identification.determined.sensitivity import is_jagged
+from identification.exact_fit import fit_exact
+from identification.experiment import Experiment
+from identification.fit import Fit, fitted_to_all, measured
+from identification.holdout import EVERY, Holdout, hold_out
+from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
+from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
-from identification.uncertainty import Estimate, estimates, rms_of
+from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estimates, rms_of
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
-from valvemodel.errors import InputError
+from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
+from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
 from valvemodel.records import Record
+
+if TYPE_CHECKING:
+    from identification.smooth_fit import Smoothing
 
 SCHEMA = "valvemodel.fit/1"
 
 _STEM_ALONE = ("spring_rate", "spring_preload", "travel_min", "travel_max", "rated_travel")
 """Base parameters that a force balance settles or does not need, fitted or not."""
+
+ROUTES = ("exact", "smooth")
 
 Progress = Callable[[str, float], None]
 
@@ -49,6 +62,16 @@ class Outcome:
         Fitted reading at the start of each record. [m]
     open : dict of str
         By parameter why the records do not determine it.
+    determined : Account
+        What the records determine, before and after the fit.
+    checks : tuple of Check
+        Of the residuals; none for a force balance.
+    route : str
+        How it was searched: "exact" or "smooth".
+    smoothing : tuple of Smoothing
+        What smoothing did to the fit, by width; empty on the exact route.
+    loop : FittedShape or None
+        Width, slope and height, where the records are settled loops.
     """
 
     records: tuple[str, ...]
@@ -64,6 +87,11 @@ class Outcome:
     open: dict[str, str]
     warnings: tuple[str, ...]
     seconds: float
+    determined: Account
+    checks: tuple[Check, ...] = ()
+    route: str = "exact"
+    smoothing: tuple[Smoothing, ...] = ()
+    loop: FittedShape | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -83,10 +111,15 @@ class Outcome:
             "noise": {"value": self.noise, "unit": self.unit},
             "effects": list(self.effects),
             "not_determined": self.open,
+            "determined": self.determined.as_json(),
+            "residual_check": [each.as_json() for each in self.checks],
             "start_positions": {name: {"value": start, "unit": "m"} for name, start in self.starts.items()},
+            **({} if self.loop is None else {"loop": self.loop.as_json()}),
             "records": list(self.records),
             "warnings": list(self.warnings),
             "seconds": self.seconds,
+            "route": self.route,
+            "smoothing": [each.as_json() for each in self.smoothing],
         }
 
     def write(self, folder: Path) -> dict[str, Path]:
@@ -104,6 +137,10 @@ def fit_records(
     model: Model,
     *,
     effects: Sequence[str] = (),
+    has_profile: bool = False,
+    repetitions: int = 0,
+    route: str = "exact",
+    is_ramped: bool = False,
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -117,29 +154,61 @@ def fit_records(
         The valve as given: where the search begins, and what gives the numbers that are not fitted.
     effects : sequence of str
         Keys of effects to switch on and fit, in this order.
+    has_profile : bool
+        Whether to follow the profile likelihood of each parameter to the ends of its interval.
+    repetitions : int
+        Of a bootstrap by blocks in time; 0 leaves it out.
+    route : str
+        "exact": on the exact simulator; "smooth": on smooth functions with exact derivatives, then once more on the
+        exact simulator, which says what smoothing did. Records of the stem alone have one route of their own.
+    is_ramped : bool
+        Whether the current of settled loops ramps slowly from value to value, instead of stepping.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
     Raises
     ------
     InputError
-        If an effect is unknown or given twice, or the records do not carry such a fit.
+        If an effect or a route is unknown or an effect given twice, or the records do not carry such a fit.
     """
     _check_effects(effects)
+    if route not in ROUTES:
+        raise unknown_name("a route of a fit", route, ROUTES)
     if all(record.kind == "stem" for record in records):
+        if has_profile or repetitions:
+            raise InputError(
+                "profile and bootstrap are for records with current",
+                f"{records[0].name} has force",
+                "leave them out: a force balance is linear, and its intervals are those of a regression",
+            )
         return _fit_stem_record(records, model, effects, progress)
     began = time.perf_counter()
-    experiments, notes = experiments_of(records)
+    experiments, notes = experiments_of(records, is_ramped=is_ramped)
+    _check_ramped(records, model, effects, is_ramped=is_ramped)
     holdout = hold_out(experiments)
-    progress("base valve", 0.0)
-    fit = fit_base(model, holdout.experiments, holdout.fitted)
-    for number, key in enumerate(effects, 1):
-        progress(key, number / (len(effects) + 2))
-        fit = extend(fit, key)
-    progress("all data", 1.0 - 1.0 / (len(effects) + 2))
-    rms_unseen = rms_of(fit, holdout.scored_experiments, holdout.scored)
-    whole = fitted_to_all(fit, experiments)
-    found = tuple(estimates(whole))
+    smoothing: tuple[Smoothing, ...] = ()
+    if route == "smooth":
+        part, whole, smoothing = _fit_smoothly(holdout, experiments, model, effects, progress)
+    else:
+        part, whole = _fit_exactly(holdout, experiments, model, effects, progress)
+    rms_unseen = rms_of(part, holdout.scored_experiments, holdout.scored)
+    samples = None
+    if has_profile and is_jagged(whole):
+        whole, samples = sampled(whole, progress)
+    lacking = undetermined_by(experiments)
+    found = tuple(each.left_open(lacking[each.name]) if each.name in lacking else each for each in estimates(whole))
+    loop = shape_of_fit(whole)
+    if loop is not None:
+        notes.append(SAYS_NOTHING_OF_TIME)
+    account = account_of(
+        whole,
+        found,
+        records[0],
+        has_profile=has_profile,
+        samples=samples,
+        repetitions=repetitions,
+        progress=progress,
+    )
     return Outcome(
         records=tuple(record.name for record in records),
         effects=tuple(effects),
@@ -151,10 +220,61 @@ def fit_records(
         unseen=holdout.scored_on,
         noise=holdout.noise,
         starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
-        open=_open(found),
+        open=account.open,
         warnings=(*(warning for record in records for warning in record.warnings), *notes),
         seconds=time.perf_counter() - began,
+        determined=account,
+        checks=residual_check(whole),
+        route=route,
+        smoothing=smoothing,
+        loop=loop,
     )
+
+
+def _fit_exactly(
+    holdout: Holdout, experiments: Sequence[Experiment], model: Model, effects: Sequence[str], progress: Progress
+) -> tuple[Fit, Fit]:
+    """Return a fit to what is not kept back, and one to all."""
+    fit = fit_exact(model, holdout.experiments, holdout.fitted, effects=effects, progress=progress)
+    progress("all data", 1.0 - 1.0 / (len(effects) + 2))
+    return fit, fitted_to_all(fit, experiments)
+
+
+def _fit_smoothly(
+    holdout: Holdout, experiments: Sequence[Experiment], model: Model, effects: Sequence[str], progress: Progress
+) -> tuple[Fit, Fit, tuple[Smoothing, ...]]:
+    """Return the same by the smooth route, and what smoothing did to the fit to all."""
+    from identification.smooth_fit import fit_smooth
+
+    part = fit_smooth(
+        holdout.experiments, model, effects=effects, used=holdout.fitted,
+        progress=lambda what, share: progress(what, 0.5 * share),
+    )  # fmt: skip
+    base = Model(model.name, part.fit.model.values, model.effects)
+    whole = fit_smooth(
+        experiments,
+        base,
+        effects=effects,
+        progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share),
+    )
+    return part.fit, whole.fit, whole.smoothing
+
+
+def _check_ramped(records: Sequence[Record], model: Model, effects: Sequence[str], *, is_ramped: bool) -> None:
+    if not is_ramped:
+        return
+    if records[0].kind != "loop":
+        raise InputError(
+            "only a settled loop is stepped or ramped",
+            f"{records[0].name} has a time column",
+            "leave --loop out: the record shows how its current went",
+        )
+    if not {*model.effects, *effects} <= SETTLING_EFFECTS:
+        raise InputError(
+            f"a ramped loop is fitted with no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
+            f"got {', '.join(effects)}",
+            "fit it as stepped, or leave the others out",
+        )
 
 
 def _check_effects(effects: Sequence[str]) -> None:
@@ -162,11 +282,6 @@ def _check_effects(effects: Sequence[str]) -> None:
         effect_of_key(key)
         if key in effects[:number]:
             raise InputError("an effect is fitted once", f"{key} came twice", "name it once")
-
-
-def _open(found: Sequence[Estimate]) -> dict[str, str]:
-    reasons = {True: "it ended at a bound of its search", False: "the records hardly depend on it"}
-    return {each.name: reasons[each.is_at_bound] for each in found if each.std is None}
 
 
 def _fitted_name(model: Model, records: Sequence[Record]) -> str:
@@ -197,6 +312,7 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         Estimate(name, each.value, each.unit, each.std, _is_at_bound(name, each.value, effects))
         for name, each in whole.parameters.items()
     )
+    reasons = {each.name: AT_A_BOUND if each.is_at_bound else HARDLY_SEEN for each in found if each.std is None}
     others = [each.name for each in BASE_PARAMETERS if each.name not in {*whole.values, *_STEM_ALONE}]
     notes = [f"force and position alone say nothing of {', '.join(others)}: the model has those of {model.name}"]
     if not has_spring:
@@ -217,9 +333,10 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         unseen="held-out blocks",
         noise=None,
         starts={},
-        open=_open(found),
+        open=reasons,
         warnings=(*record.warnings, *notes),
         seconds=time.perf_counter() - began,
+        determined=account_of_stem(record, model, found, reasons),
     )
 
 

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from identification.experiment import Experiment, simulate_rows
+from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.unknowns import Unknown
 from valvemodel import runs
+from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 SEARCH_SUBSTEP = 0.01
 SEARCH_TOLERANCE = 2.0
 """Coarser than the simulator's default: within 0.02 mm of it, a tenth of the noise, and several times faster."""
+
+LOST = 1e6
+"""What counts in place of a residual that is no number. [noise]"""
 
 DIFFERENCE = 2e-4
 """Step of the forward differences in scaled unknowns; wide against the tolerance, narrow against the bends."""
@@ -34,6 +39,8 @@ class Problem:
         Which samples of each experiment count.
     is_anchored : bool
         Whether each run is put anew on its experiment's anchors, else it runs free.
+    substep, tolerance : float [s], [N]
+        Of the simulator.
     """
 
     model: Model
@@ -41,6 +48,8 @@ class Problem:
     unknowns: Sequence[Unknown]
     used: Sequence[np.ndarray]
     is_anchored: bool = False
+    substep: float = SEARCH_SUBSTEP
+    tolerance: float = SEARCH_TOLERANCE
     _rows: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -68,20 +77,45 @@ class Problem:
         """
         parts = []
         for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
-            simulated = simulate_rows(
-                experiment,
-                self.rows(points, number),
-                substep=SEARCH_SUBSTEP,
-                tolerance=SEARCH_TOLERANCE,
-                anchors=experiment.anchors if self.is_anchored else runs.FREE,
-                with_pressure=experiment.pressure is not None,
-            )
+            simulated = self.simulated(points, number)
             parts.append((experiment.position[used] - simulated.position[:, used]) / experiment.noise)
             if experiment.pressure is not None:
                 parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
-        parts.append(points / np.array([unknown.prior_spread for unknown in self.unknowns]))
+        parts.append(points / self.prior_spreads)
         residuals = np.concatenate(parts, axis=1)
-        return np.where(np.isfinite(residuals), residuals, 1e6)
+        return np.where(np.isfinite(residuals), residuals, LOST)
+
+    def simulated(self, points: np.ndarray, number: int) -> Simulated:
+        """Run scaled points, shape (p, unknowns), over the experiment of that number."""
+        experiment = self.experiments[number]
+        return simulate_rows(
+            experiment,
+            self.rows(points, number),
+            substep=SEARCH_SUBSTEP,
+            tolerance=SEARCH_TOLERANCE,
+            anchors=experiment.anchors if self.is_anchored else runs.FREE,
+            with_pressure=experiment.pressure is not None,
+            in_closed_form=self.settles,
+        )
+
+    @cached_property
+    def settles(self) -> bool:
+        """Whether a step of a settled loop of the model has a closed form."""
+        return settles_in_closed_form(self.model)
+
+    @property
+    def prior_spreads(self) -> np.ndarray:
+        """Standard deviations of the weak priors, scaled."""
+        return np.array([unknown.prior_spread for unknown in self.unknowns])
+
+    @property
+    def noise_error(self) -> float:
+        """Half the sum of squares that noise alone leaves of the samples that count."""
+        signals = sum(
+            int(used.sum()) * (1 if experiment.pressure is None else 2)
+            for experiment, used in zip(self.experiments, self.used, strict=True)
+        )
+        return 0.5 * signals
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
         """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns)."""

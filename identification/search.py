@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identification.problem import Problem
+from identification.experiment import score_rows
+from identification.problem import LOST, SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
+from valvemodel import runs
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
+
+
+SETTLING_REACH, SETTLING_EVALUATIONS = 0.1, 50
+"""First size of a simplex, in changes of the residual over the residual, and its evaluations for each unknown."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +48,31 @@ def descend(problem: Problem, start: np.ndarray, *, evaluations: int = 25, preci
 
 
 def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
-    """Return half the sum of squared residuals at each scaled point, shape (p,)."""
-    residuals = problem.residuals(points)
-    return 0.5 * np.einsum("pr,pr->p", residuals, residuals)
+    """Return half the sum of squared residuals at each scaled point, shape (p,); none are kept where it can do without.
+
+    Parameters
+    ----------
+    problem : Problem
+    points : array, shape (p, unknowns)
+    """
+    if any(experiment.pressure is not None for experiment in problem.experiments):
+        residuals = problem.residuals(points)
+        return 0.5 * np.einsum("pr,pr->p", residuals, residuals)
+    sums = ((points / problem.prior_spreads) ** 2).sum(axis=1)
+    for number, (experiment, used) in enumerate(zip(problem.experiments, problem.used, strict=True)):
+        anchors = experiment.anchors if problem.is_anchored else runs.FREE
+        rows = problem.rows(points, number)
+        missed = score_rows(
+            experiment,
+            used,
+            rows,
+            substep=SEARCH_SUBSTEP,
+            tolerance=SEARCH_TOLERANCE,
+            anchors=anchors,
+            in_closed_form=problem.settles,
+        )
+        sums += missed / experiment.noise**2
+    return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 
 
 def roam(
@@ -51,9 +83,12 @@ def roam(
     *,
     size: int,
     generations: int,
+    enough: float = 0.0,
     seed: int = 0,
 ) -> Found:
     """Search globally over scaled points origin + shape u with u in a box (differential evolution, scipy).
+
+    Trials take most numbers from the mutant of the best point: the valleys of k, F_c, c0, E run across the axes.
 
     Parameters
     ----------
@@ -64,6 +99,8 @@ def roam(
     size : int
         Points of a generation for each unknown.
     generations : int
+    enough : float
+        Error at which the search ends early.
     seed : int
         The search is deterministic for a seed.
     """
@@ -74,12 +111,19 @@ def roam(
     def points_of(u: np.ndarray) -> np.ndarray:
         return np.clip(origin + np.atleast_2d(u.T) @ shape.T, low, high)
 
+    def end_early(intermediate_result: OptimizeResult) -> None:
+        if intermediate_result.fun <= enough:
+            raise StopIteration
+
     result = differential_evolution(
         lambda u: errors(problem, points_of(u)),
         box,
         popsize=size,
         maxiter=generations,
         tol=1e-9,
+        mutation=(0.4, 0.9),
+        recombination=0.9,
+        callback=end_early,
         polish=False,
         vectorized=True,
         updating="deferred",
@@ -87,3 +131,29 @@ def roam(
         rng=np.random.default_rng(seed),
     )
     return Found(points_of(result.x)[0], float(result.fun))
+
+
+def settle(problem: Problem, found: Found) -> Found:
+    """Settle among the small steps of a jagged error, along the principal directions of the residuals (Nelder-Mead)."""
+    from scipy.optimize import minimize
+
+    low, high = problem.bounds
+    _, sizes, directions = np.linalg.svd(problem.jacobian(found.point), full_matrices=False)
+    shape = directions.T * (np.sqrt(2.0 * found.error) / np.maximum(sizes, 1e-9 * sizes[0]))
+    count = len(found.point)
+
+    def point_of(u: np.ndarray) -> np.ndarray:
+        return np.clip(found.point + shape @ u, low, high)
+
+    result = minimize(
+        lambda u: float(errors(problem, point_of(u)[None, :])[0]),
+        np.zeros(count),
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": np.vstack([np.zeros(count), SETTLING_REACH * np.eye(count)]),
+            "maxfev": SETTLING_EVALUATIONS * count,
+            "xatol": 1e-6,
+            "fatol": 1e-3,
+        },
+    )
+    return Found(point_of(result.x), float(result.fun)) if result.fun < found.error else found

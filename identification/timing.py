@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from identification.adequacy import adequate
 from identification.experiment import Experiment, experiment_of
 from identification.noise import noise_level
 from valvemodel.records import Record
@@ -25,15 +26,23 @@ CERTAINTY = 6.0
 END_OF_PERIOD = "rows hold the state at the end of each period: readings answer the current of their own row"
 
 
-def experiments_of(records: Sequence[Record]) -> tuple[list[Experiment], list[str]]:
+def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tuple[list[Experiment], list[str]]:
     """Make experiments of one valve's records, and say where their rows hold the state at the end of a period.
 
     A row that was read just before its current acts cannot know that current. Where readings at steps of the current
-    answer it in the same row, all records are taken to be read at the end.
+    answer it in the same row, all records are taken to be read at the end. `is_ramped` is about settled loops: their
+    current ramps slowly from value to value, instead of stepping.
+
+    Raises
+    ------
+    InputError
+        If nothing can be fitted to any of them.
     """
     reads_at_end = any(answers_own_row(record) for record in records)
     notes = [END_OF_PERIOD] if reads_at_end else []
-    return [experiment_of(record, reads_at_end=reads_at_end) for record in records], notes
+    experiments = [experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped) for record in records]
+    experiments, lacking = adequate(experiments)
+    return experiments, notes + lacking
 
 
 def answers_own_row(record: Record) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,38 +14,52 @@ from valvemodel.effects import effect_of_key
 UNDETERMINED_SHARE = 0.5
 """A parameter that the record narrows to no less than this share of its prior is not determined by it."""
 
+CONFIDENCE = 0.95
+
+AT_A_BOUND = "it ended at a bound of its search"
+HARDLY_SEEN = "the records hardly depend on it"
+MANY_MINIMA = "the error has many minima, whose slopes say little: ask for the profile"
+"""Why a parameter has no standard deviation."""
+
 AT_BOUND = 1e-3
 """Scaled distance within which a parameter is at its bound."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One fitted parameter with its uncertainty; `std` is None where the record does not determine it. [SI]"""
+    """One fitted parameter with its uncertainty, in SI units.
+
+    `std` and the 95 % `interval` are None where the record does not determine it, or where the slopes of its error say
+    nothing of it; `reason` then says why.
+    """
 
     name: str
     value: float
     unit: str
     std: float | None
     is_at_bound: bool
+    interval: tuple[float, float] | None = None
+    reason: str | None = None
+
+    def left_open(self, reason: str) -> Estimate:
+        """Return it without any uncertainty, for a reason."""
+        return replace(self, std=None, interval=None, reason=reason)
 
 
 def estimates(fit: Fit) -> list[Estimate]:
     """Return the fitted parameters of valve and effects, start positions left out.
 
     The covariance is the sandwich of the Jacobian and of the scores summed by block in time, so that neighbouring
-    errors that go together widen it. The parameters of an effect whose error has many minima have no standard
-    deviation: the error has no slope that a record could be trusted to show.
+    errors that go together widen it. With an effect whose error has many minima no parameter has a standard deviation:
+    the slope in one minimum was measured to understate the errors by a factor of up to 40.
     """
     jacobian = fit.problem.jacobian(fit.found.point)
     residual = fit.problem.residuals(fit.found.point[None, :])[0]
-    spread = np.sqrt(np.diag(covariance(jacobian, residual, blocks_of(fit))))
+    block = blocks_of(fit)
+    spread = np.sqrt(np.diag(covariance(jacobian, residual, block)))
+    quantile = interval_quantile(len(np.unique(block[block >= 0])))
     with_prior = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)))
-    jagged = {
-        parameter.name
-        for key in fit.model.effects
-        if effect_of_key(key).is_jagged
-        for parameter in effect_of_key(key).parameters
-    }
+    is_jagged = any(effect_of_key(key).is_jagged for key in fit.model.effects)
     found = []
     for unknown, x, deviation, left_open in zip(fit.unknowns, fit.found.point, spread, with_prior, strict=True):
         if unknown.experiment >= 0:
@@ -55,10 +69,19 @@ def estimates(fit: Fit) -> list[Estimate]:
         is_at_bound = bool(min(x - low, high - x) < AT_BOUND)
         widest = UNDETERMINED_SHARE * unknown.prior_spread
         is_determined = left_open < widest and (deviation < widest or not unknown.is_logarithmic)
-        is_smooth = unknown.name not in jagged
-        std = float(deviation * unknown.slope(value)) if is_determined and is_smooth and not is_at_bound else None
-        found.append(Estimate(unknown.name, value, unknown.unit, std, is_at_bound))
+        reason = AT_A_BOUND if is_at_bound else HARDLY_SEEN if not is_determined else MANY_MINIMA if is_jagged else None
+        std = float(deviation * unknown.slope(value)) if reason is None else None
+        ends = unknown.value(np.clip(x + quantile * deviation * np.array([-1.0, 1.0]), low, high))
+        interval = None if std is None else (float(ends[0]), float(ends[1]))
+        found.append(Estimate(unknown.name, value, unknown.unit, std, is_at_bound, interval, reason))
     return found
+
+
+def interval_quantile(blocks: int) -> float:
+    """Return how many standard deviations a 95 % interval reaches to either side (Student's t, blocks less one)."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(max(blocks - 1, 1), 0.5 * (1.0 + CONFIDENCE)))
 
 
 def covariance(jacobian: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:

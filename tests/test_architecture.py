@@ -33,9 +33,10 @@ DOORS = (
     "valvemodel.valves",
     "derivations",
     "identification.inverse_dynamics",
+    "identification",
+    "diagnosis",
     "diagnosis.report",
 )
-NOTEBOOK_DOORS = {*DOORS, "identification.outcome", "diagnosis.diagnose"}
 
 
 def name_of(path: Path) -> str:
@@ -98,17 +99,8 @@ def test_commands_load_nothing_heavy(path: Path):
         assert module.split(".")[0] not in START_UP, f"{name_of(path)}:{line} imports {module} at start-up"
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.py")), ids=name_of)
-def test_notebooks_use_the_public_doors(path: Path):
-    for module, _, line in all_imports(tree_of(path)):
-        is_door = module.split(".")[0] not in ROOMS or module in NOTEBOOK_DOORS
-        assert is_door, f"{name_of(path)}:{line} imports {module}"
-
-
 def test_figures_are_made_where_figures_are_made():
     for path in FILES:
-        if path.is_relative_to(ROOT / "notebooks"):
-            continue
         modules = [module for module, _, _ in outer_imports(tree_of(path))]
         assert not any(module.startswith("matplotlib") for module in modules), name_of(path)
 

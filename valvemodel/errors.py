@@ -23,6 +23,10 @@ class InputError(ValueError):
         super().__init__(f"{rule}; {arrived}; {remedy}")
         self.rule, self.arrived, self.remedy = rule, arrived, remedy
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
+        # an error of a worker process comes back with its three parts
+        return InputError, (self.rule, self.arrived, self.remedy)
+
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> InputError:
     """Make the error for a name that is not in a list, with the nearest names."""

@@ -17,9 +17,12 @@ _HERE = Path(__file__).parent
 _COMPILED = (
     *sorted((_HERE / "stages").glob("*.py")),
     _HERE / "chain.py",
+    _HERE / "loops.py",
     _HERE / "runs.py",
     _HERE / "stepping.py",
     _HERE / "equations" / "numeric.py",
+    *sorted((_HERE / "control" / "laws").glob("*.py")),
+    _HERE / "linear" / "rates.py",
 )
 
 

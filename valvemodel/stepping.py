@@ -70,6 +70,7 @@ class SteppedValve:
         self.time = 0.0
         self._tolerance = tolerance
         self._rows = model.rows(start_position=start_position)
+        self._preload = float(self._rows["spring_preload"][0])
         self._states = np.zeros(1, STATE)
         self._memories = np.zeros(1, MEMORY)
         self.reading: float = _start(self._rows, self._states, self._memories, _checked(current), 0.0, substep)
@@ -90,6 +91,15 @@ class SteppedValve:
         )
         self.time = following
         return self.reading
+
+    @property
+    def load(self) -> float:
+        """Force on the stem beyond the model's own, positive against a rise; may be set between steps. [N]"""
+        return float(self._rows["spring_preload"][0]) - self._preload
+
+    @load.setter
+    def load(self, force: float) -> None:
+        self._rows["spring_preload"][0] = self._preload + force
 
     @property
     def position(self) -> float:

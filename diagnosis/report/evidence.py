@@ -91,7 +91,8 @@ class Evidence:
     """All that the pictures of one report show.
 
     `steps` go from the valve as given to the noise floor, `ranking` from the best candidate down; both, and
-    `noise_floor`, are in `unit`: "m", "N", or "%" where the rated travel is not known.
+    `noise_floor`, are in `unit`: "m", "N", or "%" where the rated travel is not known. `next_input` is time [s] and
+    current [A] of the experiment that would tell rival causes apart, if one was designed.
     """
 
     records: tuple[RecordEvidence, ...]
@@ -102,3 +103,4 @@ class Evidence:
     seconds: float | None
     valve_name: str
     warnings: tuple[str, ...] = ()
+    next_input: tuple[np.ndarray, np.ndarray] | None = None

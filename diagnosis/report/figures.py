@@ -314,6 +314,20 @@ def ranking_picture(name: str, evidence: Evidence) -> str:
     return picture(name, draw, (HALF[0], height))
 
 
+def profile_picture(name: str, time: np.ndarray, current: np.ndarray) -> str:
+    """Return a designed current over time as SVG."""
+
+    def draw(figure: Figure) -> None:
+        axes = figure.add_axes((0.06, 0.2, 0.93, 0.76))
+        shown_t, factor_t = _time_unit(time)
+        axes.step(time * factor_t, 1e3 * current, where="post", color=CAUSE)
+        axes.set_xlabel(f"time [{shown_t}]")
+        axes.set_ylabel("current [mA]")
+        axes.margins(x=0.01)
+
+    return picture(name, draw, (WIDE[0], 2.4))
+
+
 def envelope(time: np.ndarray, values: np.ndarray, buckets: int) -> tuple[np.ndarray, np.ndarray]:
     """Thin a signal to the lowest and the highest sample of each of some buckets, in the order of time.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,7 +13,9 @@ from markupsafe import Markup
 
 from diagnosis.report import figures
 from diagnosis.report.amounts import amount, probability_text
+from diagnosis.report.curves import curves_picture
 from diagnosis.report.evidence import Evidence, RecordEvidence
+from diagnosis.report.heatmap import heat_map_picture
 from diagnosis.report.words import Answer, cause_title, make_answer, printable, tied
 from valvemodel.files import write_text
 
@@ -63,6 +65,9 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
         ],
         record_names=[record.name for record in evidence.records],
         records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
+        residual_pictures=_residual_pictures(diagnosis.get("residual_curves") or ()),
+        next_input=_next_input(evidence),
+        heat_map=_heat_map(diagnosis.get("confusability")),
         equations=_equations(answer),
         length=_length(evidence),
     )
@@ -170,6 +175,36 @@ def _record_pictures(name: str, record: RecordEvidence, unit: str, cause: str) -
         narrow=Markup(narrow),
     )
     return RecordPictures(record.name, tuple(halves), residual)
+
+
+def _residual_pictures(curves: Sequence[Mapping[str, Any]]) -> list[Picture]:
+    signals = dict.fromkeys(curve["signal"] for curve in curves)
+    by_signal = {signal: [curve for curve in curves if curve["signal"] == signal] for signal in signals}
+    return [
+        Picture(
+            Markup(curves_picture(f"left-{signal}", own)),
+            f"{signal.capitalize()} ({own[0]['stage']})" if own[0]["stage"] != "any" else signal.capitalize(),
+            f"Curves of the residual {signal} over {', '.join(curve['against'] for curve in own)}.",
+        )
+        for signal, own in by_signal.items()
+    ]
+
+
+def _next_input(evidence: Evidence) -> Picture | None:
+    if evidence.next_input is None:
+        return None
+    markup = figures.profile_picture("next-input", *evidence.next_input)
+    return Picture(Markup(markup), "Designed current over time", "Curve of the designed current over time.")
+
+
+def _heat_map(confusability: Mapping[str, Any] | None) -> Picture | None:
+    if not confusability:
+        return None
+    return Picture(
+        Markup(heat_map_picture("confusability", confusability)),
+        "Which effect could pass for which",
+        "Matrix of similarity between the traces of all effects, and how far each rises above the noise.",
+    )
 
 
 def _equations(answer: Answer) -> dict[str, Markup]:

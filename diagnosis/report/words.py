@@ -34,6 +34,10 @@ _SURE, _LIKELY = 0.9, 0.6
 _WORTH_SAYING = 0.05
 """Probability from which another cause is mentioned on the first screen."""
 _SHOWN_CAUSES = 8
+_TELLING = 0.5
+"""Difference of two rivals over the noise, root mean square, from which an experiment tells them apart."""
+_HARDLY_VISIBLE = 1.0
+"""Trace of an effect of typical size over the noise below which it is said to hardly show."""
 NO_BREAK_SPACE = "\u00a0"
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 _BEFORE_UNIT = re.compile(r"(?<=\d) (?=%|(?:[mµn]?[msNA]|k?Pa|kN)\b)")
@@ -114,6 +118,10 @@ class Answer:
     alternatives: tuple[Alternative, ...]
     alternatives_sentence: str
     others: str
+    input_shows: tuple[str, ...]
+    black_box: str
+    designed: str
+    depends: tuple[str, ...]
     next_step: str
     regimes: tuple[tuple[str, str, str, str], ...]
     causes: tuple[CauseWords, ...]
@@ -150,7 +158,11 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         alternatives=alternatives,
         alternatives_sentence=_alternatives_sentence(diagnosis, alternatives),
         others=_others(diagnosis),
-        next_step=diagnosis.get("next_step") or _next_step(diagnosis, alternatives),
+        input_shows=_input_shows(diagnosis),
+        black_box=_black_box(diagnosis),
+        designed=_designed(diagnosis),
+        depends=_depends(diagnosis),
+        next_step=diagnosis.get("next_step") or _designed(diagnosis) or _next_step(diagnosis, alternatives),
         regimes=_regimes(diagnosis),
         causes=tuple(shown),
         causes_left_out=_left_out(len(causes) - len(shown)),
@@ -473,6 +485,71 @@ def _others(diagnosis: Mapping[str, Any]) -> str:
     return f"Less likely, but not excluded: {listed(others)}." if others else ""
 
 
+def _input_shows(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
+    """Say what the input of the records can show, whatever is in the valve."""
+    content = diagnosis.get("confusability")
+    if not content:
+        return ()
+    keys, alike = content["effects"], content["alike_from"]
+    hidden = [
+        effect_title(key) for key, visible in zip(keys, content["visibility"], strict=True) if visible < _HARDLY_VISIBLE
+    ]
+    pairs = [
+        f"{effect_title(other)} for {effect_title(key)}"
+        for key, row in zip(keys, content["similarity"], strict=True)
+        for other, cosine in zip(keys, row, strict=True)
+        if key != other and is_number(cosine) and cosine >= alike
+    ]
+    sentences = []
+    if hidden:
+        sentences.append(f"Under this input, {listed(hidden)} of typical size would hardly rise above the noise.")
+    if pairs:
+        sentences.append(f"One would pass for another, whatever is in the valve: {listed(pairs)}.")
+    return tuple(sentences) or ("Under this input every listed effect of typical size leaves a trace of its own.",)
+
+
+def _black_box(diagnosis: Mapping[str, Any]) -> str:
+    """Say how much a correction without physics would close, as a yardstick for the cause."""
+    closed = (diagnosis.get("ceiling") or {}).get("gap_closed")
+    if diagnosis["verdict"] == "none" or not is_number(closed):
+        return ""
+    share = f"{percent(closed)} of what could be closed" if closed > 0.0 else "nothing"
+    return f"A black box that knows no physics, taught on the same data, closes {share}."
+
+
+def _designed(diagnosis: Mapping[str, Any]) -> str:
+    """Say what the designed experiment would tell apart and how far, or that only another signal would."""
+    designed = diagnosis.get("next_experiment")
+    if not designed:
+        return ""
+    names = [cause_title(each) for each in designed["rivals"]]
+    purpose = f"To tell {listed(names)} apart" if designed["is_open"] else f"To confirm {names[0]} against {names[1]}"
+    separation = {name: value for name, value in designed["separation"].items() if is_number(value)}
+    gauge = separation.get("pressure_now", 0.0)
+    if separation["profile"] >= _TELLING or separation["profile"] >= gauge:
+        hope = "" if separation["profile"] >= _TELLING else " Even that is little."
+        return (
+            f"{purpose}, record the current profile in {designed['file']}: refitted, they would differ by "
+            f"{separation['profile']:.2g} times the noise (now {separation['now']:.2g}).{hope}"
+        )
+    return (
+        f"{purpose}, measure the pressure: under the same input they would differ by {gauge:.2g} times the noise; "
+        f"no current profile within the limits brings more than {separation['profile']:.2g} without it "
+        f"({designed['file']} is the best)."
+    )
+
+
+def _depends(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
+    """Say for each signal what its residual depends on most; the curves of a signal stand best first."""
+    best = {curve["signal"]: curve for curve in reversed(diagnosis.get("residual_curves") or ())}
+    return tuple(
+        f"What is left of the {signal} depends most on {best[signal]['against']}: a curve over it explains "
+        f"{percent(best[signal]['share'])} of it."
+        for signal in reversed(best)
+        if best[signal]["share"] >= _CONCENTRATED
+    )
+
+
 def _next_step(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
     verdict, found = diagnosis["verdict"], _found(diagnosis)
     stage = (diagnosis.get("where") or {}).get("stage")
@@ -580,4 +657,15 @@ def _judged(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
         "Intervals hold with 95 % probability; ± is one standard deviation.",
         "The probabilities compare the listed effects, their combinations, the base model alone (none) and "
         "a cause outside the list (unknown); they sum to 100 %.",
+        *_controlled(diagnosis),
+    )
+
+
+def _controlled(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
+    control = diagnosis.get("control")
+    if not control:
+        return ()
+    return (
+        f"As a control, {control['shams']} random regressors that cannot be in a valve were judged beside the effects: "
+        f"together they would have got {probability_text(control['probability'])}.",
     )

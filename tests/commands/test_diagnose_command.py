@@ -93,3 +93,34 @@ def test_interrupt_leaves_nothing(demo_record, tmp_path):
     assert output == ""
     assert trouble == "valvemodel: interrupted; nothing was written\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_next_experiment_goes_into_simulate(command, short_record, tmp_path):
+    words = ("--next-experiment", "next.csv", "--next-duration", "10 s", "--next-range", "6 mA", "15 mA")
+    result = command("diagnose", short_record, "--out", "report", "--jobs", 1, *words)
+    assert result.exit_code == 0, result.output
+    content = json.loads((tmp_path / "report" / "diagnosis.json").read_text())["next_experiment"]
+    assert content["file"] == "next.csv"
+    assert content["separation"]["profile"] > 0.0
+    assert len(content["rivals"]) >= 2
+    assert "next.csv" in result.stdout
+    assert "The next experiment" in (tmp_path / "report" / "report.html").read_text()
+    rows = [float(line.split(",")[1]) for line in (tmp_path / "next.csv").read_text().splitlines()[1:]]
+    assert min(rows) >= 6.0
+    assert max(rows) <= 15.0
+    assert command("simulate", "--input", "next.csv", "--out", "out.csv").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--next-experiment", "nowhere/next.csv"), "choose another place with --next-experiment"),
+        (("--next-experiment", "next.csv", "--next-range", "15 mA", "6 mA"), "a lower and a higher current"),
+        (("--next-experiment", "next.csv", "--next-duration", "30"), "a quantity has a unit"),
+    ],
+)
+def test_next_experiment_is_checked_before_the_work(command, short_record, tmp_path, words, message):
+    result = command("diagnose", short_record, "--out", "report", *words)
+    assert result.exit_code == 2
+    assert message in result.output
+    assert list(tmp_path.iterdir()) == []

@@ -61,6 +61,26 @@ def test_known_numbers_come_back(command, made_up, tmp_path):
     assert content["rms"]["unseen"] == pytest.approx(1e-4, rel=0.3)
     assert "spring_rate" in result.stdout
     assert "fitted/model.json" in result.stdout
+    determined = content["determined"]
+    assert "supply_pressure" in determined["structural"]["determined"]
+    assert determined["numerical"]["combinations"][-1]["determined"]
+    low, high = determined["parameters"]["spring_rate"]["interval"]
+    assert low < content["parameters"]["spring_rate"]["value"] < high
+    assert determined["parameters"]["spring_rate"]["in_proportion_to"] == "diaphragm_area"
+    assert determined["profile"] is determined["bootstrap"] is None
+    checks = {each["check"]: each["verdict"] for each in content["residual_check"]}
+    assert checks["position: size"] == "passed"
+    assert "95 % interval" in result.stdout
+
+
+def test_profile_and_bootstrap_are_asked_for(command, made_up, tmp_path):
+    result = command("fit", made_up, "--profile", "--bootstrap", "10", "--out", "fitted")
+    assert result.exit_code == 0, result.output
+    determined = fitted(tmp_path / "fitted")["determined"]
+    assert set(determined["profile"]) == set(determined["bootstrap"]) == set(BASE)
+    assert determined["parameters"]["spring_rate"]["interval_from"] == "profile"
+    low, high = determined["profile"]["spring_rate"]
+    assert low < 60000.0 < high or abs(low / 60000.0 - 1.0) < 1e-3
 
 
 def test_model_goes_into_simulate_and_several_records_into_one_fit(command, made_up, short_record, tmp_path):

@@ -32,6 +32,8 @@ def _points(source, count=5):
         "i": 0.01,
         "v": 1e-4,
         "K": 1e9,
+        "b_c": 0.4,
+        "s_p": 0.5,
     }
     centre = np.array([size.get(letter, 1.0) for letter in source.letters.split()])
     return centre * random.uniform(0.5, 1.5, (count, len(centre)))

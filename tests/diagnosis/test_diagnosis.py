@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.diagnose import Diagnosis, diagnose
-from diagnosis.regimes import masks_of, time_since_reversal
+from diagnosis.diagnosing import Diagnosis, diagnose
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
 from identification.holdout import hold_out
+from identification.regimes import masks_of, time_since_reversal
 from identification.timing import END_OF_PERIOD, answers_own_row
 from valvemodel.model import Model, read_model
 from valvemodel.records import Record

@@ -13,7 +13,11 @@ import click
 from valvemodel.commands.trouble import BadInput, Interrupted
 from valvemodel.errors import InputError, unknown_name
 
-COMMANDS = ("diagnose", "fit", "simulate", "effects", "valves", "derive")
+COMMANDS = (
+    *("diagnose", "fit", "design"),
+    *("simulate", "control", "move", "linearise", "figures"),
+    *("effects", "valves", "derive", "blindtest"),
+)
 """In the order in which they are listed; each is a function of its own name in a module of its own name."""
 
 

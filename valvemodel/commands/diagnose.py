@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from valvemodel.commands.given import measured_records, records_argument, valve_model, valve_option
-from valvemodel.commands.places import check_folder, write_together
+from valvemodel.commands.places import check_file, check_folder, check_not_input, write_together
 from valvemodel.commands.waiting import Report, progress_shown
+from valvemodel.errors import InputError
 
 if TYPE_CHECKING:
+    from diagnosis.next_experiment import Limits
     from valvemodel.model import Model
     from valvemodel.records import Record
 
@@ -22,6 +26,7 @@ if TYPE_CHECKING:
 Examples:
   valvemodel diagnose record.csv --out report
   valvemodel diagnose monday.csv tuesday.csv --valve my_valve.toml --out report
+  valvemodel diagnose record.csv --out report --next-experiment next.csv --next-duration "3 min"
   valvemodel diagnose record.csv --out report --json"""
 )
 @records_argument
@@ -39,10 +44,31 @@ Examples:
     metavar="N",
     help="Processes that search at the same time.  [default: one a core, at most 8]",
 )
+@click.option(
+    "--next-experiment",
+    "next_file",
+    metavar="NEXT.csv",
+    type=click.Path(path_type=Path),
+    help="Design the current profile that tells the cause from its rivals best, and write it here.",
+)
+@click.option("--next-duration", default="120 s", show_default=True, metavar="QUANTITY", help="Its length.")
+@click.option(
+    "--next-range", nargs=2, default=("4 mA", "20 mA"), show_default=True, metavar="LOW HIGH", help="Its currents."
+)
+@click.option("--next-rate", metavar="QUANTITY", help='Its fastest change, as "2 mA/s".  [default: steps are allowed]')
 @click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json instead of the answer in words.")
 @click.option("--quiet", is_flag=True, help="Print nothing but errors; the files say it all.")
 def diagnose(
-    paths: tuple[Path, ...], valve: str | None, out: Path, jobs: int | None, as_json: bool, quiet: bool
+    paths: tuple[Path, ...],
+    valve: str | None,
+    out: Path,
+    jobs: int | None,
+    next_file: Path | None,
+    next_duration: str,
+    next_range: tuple[str, str],
+    next_rate: str | None,
+    as_json: bool,
+    quiet: bool,
 ) -> None:
     """Find where a valve and its model disagree, which effect causes it, and how far the gap shrinks with it.
 
@@ -51,12 +77,22 @@ def diagnose(
     gap is scored on data that were not fitted: blocks in time of one record, the last one of several records.
     """
     check_folder(out)
+    limits = None
+    if next_file is not None:
+        check_next_file(next_file, out, paths)
+        limits = limits_of(next_duration, next_range, next_rate)
     model, rated_travel = valve_model(valve)
     with progress_shown(is_quiet=quiet) as progress:
         records = measured_records(paths, model, rated_travel)
+        if limits is not None and records[0].kind != "time":
+            raise InputError("a next experiment is designed from time records", "these have none", "record over time")
         diagnosis = _diagnosed(records, model, jobs, progress)
+        if limits is not None and next_file is not None:
+            diagnosis = _with_next_experiment(diagnosis, limits, next_file, progress)
         progress("drawing the report", 0.95)
         places = write_together(out, diagnosis.write)
+        if next_file is not None:
+            diagnosis.next_experiment.write(next_file)
     if as_json:
         import json
 
@@ -72,12 +108,51 @@ def diagnose(
         print_answer(diagnosis.as_json(), Console(highlight=False), shown)
 
 
+def check_next_file(path: Path, out: Path, records: Sequence[Path]) -> None:
+    """Refuse a place for the profile that could not be written or holds a record."""
+    if path.parent.resolve() != out.resolve():
+        check_file(path, "--next-experiment")
+    named = {f"RECORD {number}": record for number, record in enumerate(records, 1)}
+    check_not_input(path, named, "--next-experiment")
+
+
+def limits_of(duration: str, currents: tuple[str, str], rate: str | None) -> Limits:
+    """Read what the next experiment may do.
+
+    Raises
+    ------
+    InputError
+        If a quantity cannot be read, or the limits leave nothing to do.
+    """
+    from diagnosis.next_experiment import Limits
+    from valvemodel.quantities import parse_quantity
+
+    lowest, highest = (parse_quantity(text, unit="A") for text in currents)
+    seconds = parse_quantity(duration, unit="s")
+    fastest = math.inf if rate is None else parse_quantity(rate, unit="A/s")
+    if not 0.0 <= lowest < highest:
+        raise InputError(
+            "--next-range is a lower and a higher current",
+            f"got {' and '.join(currents)}",
+            'write it like "4 mA" "20 mA"',
+        )
+    if seconds <= 0.0 or fastest <= 0.0:
+        raise InputError("--next-duration and --next-rate are positive", f"got {duration} and {rate}", "correct them")
+    return Limits(lowest, highest, fastest, seconds)
+
+
+def _with_next_experiment(diagnosis: Any, limits: Limits, path: Path, progress: Report) -> Any:
+    from diagnosis.next_experiment import next_experiment
+
+    return replace(diagnosis, next_experiment=next_experiment(diagnosis, limits, name=path.name, progress=progress))
+
+
 def _diagnosed(records: Sequence[Record], model: Model, jobs: int | None, progress: Report) -> Any:
     if all(record.kind == "stem" for record in records):
         from diagnosis.stem_only import diagnose_stem_records
 
         progress("force balance of the stem", 0.0)
         return diagnose_stem_records(records, model)
-    from diagnosis.diagnose import diagnose as find_causes
+    from diagnosis.diagnosing import diagnose as find_causes
 
     return find_causes(records, model, jobs=jobs, progress=progress)

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from valvemodel.commands.fitted import print_outcome
 from valvemodel.commands.given import measured_records, records_argument, valve_model, valve_option
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
-
-if TYPE_CHECKING:
-    from identification.outcome import Outcome
-
-_PIPED_WIDTH = 100
 
 
 @click.command(
     epilog="""\b
 Examples:
   valvemodel fit record.csv --out fitted
+  valvemodel fit record.csv --profile --bootstrap 200 --out fitted
   valvemodel fit monday.csv tuesday.csv --valve my_valve.toml --effect static_friction --out fitted"""
 )
 @records_argument
@@ -34,18 +30,60 @@ Examples:
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
+    "--route",
+    type=click.Choice(["exact", "smooth"]),
+    default="exact",
+    show_default=True,
+    help="Search on the exact simulator; or on smooth functions with exact derivatives and then on the exact one, "
+    "which shows what smoothing did.",
+)
+@click.option(
+    "--loop",
+    type=click.Choice(["stepped", "ramped"]),
+    default="stepped",
+    show_default=True,
+    help="How the current of a settled loop went from value to value.",
+)
+@click.option(
     "--out",
     required=True,
     metavar="DIR",
     type=click.Path(path_type=Path),
     help="Folder for fit.json and model.json.",
 )
-def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], out: Path) -> None:
+@click.option(
+    "--profile",
+    "has_profile",
+    is_flag=True,
+    help="Take the 95 % intervals from the profile likelihood: each parameter is moved and the others refitted. With "
+    "an effect whose error has many minima, as static friction, from samples of what is likely.",
+)
+@click.option(
+    "--bootstrap",
+    "repetitions",
+    default=0,
+    metavar="N",
+    type=click.IntRange(min=0),
+    help="Refit N times to the fitted trajectory with blocks of its residuals drawn anew; 200 is a good number.",
+)
+def fit(
+    paths: tuple[Path, ...],
+    valve: str | None,
+    effects: tuple[str, ...],
+    route: str,
+    loop: str,
+    out: Path,
+    has_profile: bool,
+    repetitions: int,
+) -> None:
     """Fit the free parameters of a valve to records of it.
 
     Free are spring rate, friction, mass, the two numbers of the gap and where each record starts; of a record
     with force instead of current, the numbers of the stem. The error on unseen data is that of a fit to a
     part of the data on the rest: every third block in time of one record, the last one of several records.
+
+    A parameter is determined where the record narrows it; the table says which are, with 95 % intervals, and
+    in proportion to what. The residuals are checked: a test that fails says where the model is not the valve.
     """
     check_folder(out)
     from identification.outcome import fit_records
@@ -56,42 +94,18 @@ def fit(paths: tuple[Path, ...], valve: str | None, effects: tuple[str, ...], ou
         effect_of_key(key)
     with progress_shown() as progress:
         records = measured_records(paths, model, rated_travel)
-        outcome = fit_records(records, model, effects=effects, progress=progress)
+        outcome = fit_records(
+            records,
+            model,
+            effects=effects,
+            route=route,
+            is_ramped=loop == "ramped",
+            has_profile=has_profile,
+            repetitions=repetitions,
+            progress=progress,
+        )
     places = write_together(out, outcome.write)
     warn(outcome.warnings)
-    _print(outcome)
+    print_outcome(outcome)
     for name, place in places.items():
         click.echo(f"{name:11s} {place}")
-
-
-def _print(outcome: Outcome) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from valvemodel.quantities import format_quantity
-
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("parameter", "value", "std", "determined?"):
-        table.add_column(heading, justify="right" if heading in ("value", "std") else "left", no_wrap=True)
-    for each in outcome.parameters:
-        reason = outcome.open.get(each.name)
-        table.add_row(
-            each.name,
-            format_quantity(each.value, each.unit, digits=5),
-            "" if each.std is None else format_quantity(each.std, each.unit, digits=2),
-            "yes" if reason is None else f"no: {reason}",
-        )
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, width=_PIPED_WIDTH)
-    console.print(table)
-    fitted = format_quantity(outcome.rms_fitted, outcome.unit, digits=3)
-    if outcome.rms_unseen is None:
-        unseen = "too short to keep anything back"
-    else:
-        unseen = f"{format_quantity(outcome.rms_unseen, outcome.unit, digits=3)} on {outcome.unseen}"
-    click.echo(f"error (rms)  fitted {fitted}, unseen {unseen}")
-    if outcome.noise is not None:
-        noise = format_quantity(outcome.noise, outcome.unit, digits=3)
-        click.echo(f"noise (rms)  {noise}, from the readings themselves")

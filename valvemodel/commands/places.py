@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from valvemodel.errors import InputError
@@ -30,7 +30,7 @@ def check_folder(folder: Path) -> None:
         raise InputError(rule, f"{nearest} may not be written", remedy)
 
 
-def check_file(path: Path) -> None:
+def check_file(path: Path, option: str = "--out") -> None:
     """Refuse an output file that could not be written, without writing it.
 
     Raises
@@ -38,31 +38,31 @@ def check_file(path: Path) -> None:
     InputError
         If it is a folder, or its folder does not exist or may not be written.
     """
-    rule, remedy = "an output file needs a folder that can be written", "choose another place with --out"
+    rule, remedy = "an output file needs a folder that can be written", f"choose another place with {option}"
     if path.is_dir():
-        raise InputError(rule, f"{path} is a folder", "name a file in it with --out")
+        raise InputError(rule, f"{path} is a folder", f"name a file in it with {option}")
     if path.exists() and not path.is_file():
         return
     if not path.parent.is_dir():
-        raise InputError(rule, f"{path.parent} is no folder", "make it or choose another place with --out")
+        raise InputError(rule, f"{path.parent} is no folder", f"make it or choose another place with {option}")
     if not os.access(path.parent, os.W_OK | os.X_OK):
         raise InputError(rule, f"{path.parent} may not be written", remedy)
 
 
-def check_not_input(out: Path, given: dict[str, Path | str | None]) -> None:
-    """Refuse an output file that is an input too; inputs by the option that named them.
+def check_not_input(out: Path, given: Mapping[str, Path | str | None], option: str = "--out") -> None:
+    """Refuse an output file, named by an option, that is an input too; inputs by the option that named them.
 
     Raises
     ------
     InputError
         If they are the same file, by whatever name.
     """
-    for option, path in given.items():
+    for source, path in given.items():
         if path is not None and os.path.isfile(path) and os.path.exists(out) and os.path.samefile(path, out):
             raise InputError(
-                f"--out is another file than {option}",
-                f"{out} is the file that {option} names, {path}",
-                "choose another place with --out",
+                f"{option} is another file than {source}",
+                f"{out} is the file that {source} names, {path}",
+                f"choose another place with {option}",
             )
 
 

@@ -30,8 +30,8 @@ class Interrupted(click.ClickException):
 
     exit_code = 130
 
-    def __init__(self) -> None:
-        super().__init__("interrupted; nothing was written")
+    def __init__(self, message: str = "interrupted; nothing was written") -> None:
+        super().__init__(message)
 
     def show(self, file: IO[Any] | None = None) -> None:
         """Print that the command was interrupted."""

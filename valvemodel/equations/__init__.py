@@ -1,0 +1,1 @@
+"""What the derivations generated: the equations as compiled and as CasADi functions."""

@@ -441,3 +441,177 @@ def current_threshold(slope, rising_intercept, falling_intercept):
     falling_intercept : intercept of the falling branch. [m]
     """
     return (falling_intercept - rising_intercept) / slope
+
+
+def saturated_current_by_current(current, saturation_slope, saturation_knee, saturation_rounding):
+    """Slope of the current that the flux stands for.
+
+    Effect magnetic_saturation, differentiated. Returns [1].
+
+    current : coil current. [A]
+    saturation_slope : slope above the knee over slope below. [1]
+    saturation_knee : current at the knee. [A]
+    saturation_rounding : width of the knee. [A]
+    """
+    above_knee = current - saturation_knee
+    return 1 - (1 - saturation_slope) * (above_knee / np.sqrt(above_knee**2 + saturation_rounding**2) + 1) / 2
+
+
+def chamber_rate(pressure, gap, supply_pressure, flow_ratio, chamber_filling_time, filling_growth):
+    """Rate at which a small departure of the pressure from its rest dies out.
+
+    Effect chamber_filling, differentiated. Returns [1/s].
+
+    pressure : gauge pressure of the back-pressure chamber. [Pa]
+    gap : distance from nozzle to flapper. [m]
+    supply_pressure : gauge supply pressure. [Pa]
+    flow_ratio : 16 C_q2^2 D_2^2 / (C_q1^2 D_1^4). [1/m^2]
+    chamber_filling_time : time to fill to P_1 at the full orifice flow. [s]
+    filling_growth : growth of that time from no pressure to P_1. [1]
+    """
+    share_of_supply = pressure / supply_pressure
+    filling_time = chamber_filling_time * (filling_growth * share_of_supply + 1)
+    inflow_slope = gap * np.sqrt(flow_ratio / share_of_supply) / 2 + 1 / (2 * np.sqrt(1 - share_of_supply))
+    return inflow_slope / filling_time
+
+
+def subsonic_share_by_ratio(pressure_ratio, critical_pressure_ratio):
+    """Slope of the flow through a hole over its choked flow, above the critical ratio.
+
+    Effect choked_flow, differentiated. Returns [1].
+
+    pressure_ratio : absolute pressure behind a hole over that before it. [1]
+    critical_pressure_ratio : b of ISO 6358. [1]
+    """
+    relative_ratio = (pressure_ratio - critical_pressure_ratio) / (1 - critical_pressure_ratio)
+    return -relative_ratio / ((1 - critical_pressure_ratio) * np.sqrt(1 - (relative_ratio**2)))
+
+
+def settled_droop_by_share(pressure_share, droop_consumption, supply_pressure):
+    """Slope of the sag that the nozzle's own air keeps up.
+
+    Effect supply_droop, differentiated. Returns [Pa].
+
+    pressure_share : pressure over supply. [1]
+    droop_consumption : sag over P_1 at the full flow of the orifice. [1]
+    supply_pressure : gauge supply pressure. [Pa]
+    """
+    return -supply_pressure * droop_consumption / (2 * np.sqrt(1 - pressure_share))
+
+
+def leaked_pressure_by_pressure(actuator_pressure, leak_ratio, supply_pressure):
+    """Slope of the actuator pressure behind the leak in the pressure before it.
+
+    Effect air_leak, differentiated. Returns [1].
+
+    actuator_pressure : gauge pressure behind the leak. [Pa]
+    leak_ratio : pressure lost over supply at full pressure. [1]
+    supply_pressure : gauge supply pressure. [Pa]
+    """
+    return 1 / (leak_ratio * np.sqrt(supply_pressure / actuator_pressure) / 2 + 1)
+
+
+def thrust_by_pressure(position, diaphragm_area, area_slope, area_curvature):
+    """Slope of the driving force in the pressure: the effective area.
+
+    Effect area_variation, differentiated. Returns [m^2].
+
+    position : stem displacement. [m]
+    diaphragm_area : area of the diaphragm. [m^2]
+    area_slope : share of area over travel. [1/m]
+    area_curvature : share of area over travel squared. [1/m^2]
+    """
+    return diaphragm_area * (area_slope * position + area_curvature * position**2 + 1)
+
+
+def thrust_by_position(pressure, position, diaphragm_area, spring_rate, spring_hardening, area_slope, area_curvature):
+    """Slope of the driving force in the position, negative where the stem is stable.
+
+    Effect spring_hardening and area_variation, differentiated. Returns [N/m].
+
+    pressure : gauge pressure of the back-pressure chamber. [Pa]
+    position : stem displacement. [m]
+    diaphragm_area : area of the diaphragm. [m^2]
+    spring_rate : spring rate. [N/m]
+    spring_hardening : share of stiffening over travel squared. [1/m^2]
+    area_slope : share of area over travel. [1/m]
+    area_curvature : share of area over travel squared. [1/m^2]
+    """
+    area_by_position = diaphragm_area * (area_slope + 2 * area_curvature * position)
+    spring_stiffness = spring_rate * (3 * spring_hardening * position**2 + 1)
+    return pressure * area_by_position - spring_stiffness
+
+
+def tight_friction_by_position(position, coulomb_friction, tight_spot_excess, tight_spot_position, tight_spot_width):
+    """Slope of the Coulomb friction in the position.
+
+    Effect position_dependent_friction, differentiated. Returns [N/m].
+
+    position : stem displacement. [m]
+    coulomb_friction : Coulomb friction. [N]
+    tight_spot_excess : excess friction in the middle of the spot. [1]
+    tight_spot_position : middle of the spot. [m]
+    tight_spot_width : half-width at 1/e. [m]
+    """
+    relative_distance = (position - tight_spot_position) / tight_spot_width
+    bell = np.exp(-(relative_distance**2))
+    return -2 * tight_spot_excess * coulomb_friction * bell * relative_distance / tight_spot_width
+
+
+def seal_friction_by_pressure(pressure, friction_area, friction_pressure_order, supply_pressure):
+    """Slope of the Coulomb friction in the pressure.
+
+    Effect pressure_dependent_friction, differentiated. Returns [m^2].
+
+    pressure : gauge pressure of the back-pressure chamber. [Pa]
+    friction_area : friction per pressure. [m^2]
+    friction_pressure_order : power of the pressure. [1]
+    supply_pressure : gauge supply pressure. [Pa]
+    """
+    share_of_supply = pressure / supply_pressure
+    return friction_area * friction_pressure_order * share_of_supply ** (friction_pressure_order - 1)
+
+
+def stribeck_factor(speed, stribeck_ratio, stribeck_velocity, stribeck_shape):
+    """Friction in slip over Coulomb friction.
+
+    Effect stribeck. Returns [1].
+
+    speed : speed of the stem along its motion. [m/s]
+    stribeck_ratio : friction at speed 0 over Coulomb friction. [1]
+    stribeck_velocity : speed at which the drop has fallen to 1/e. [m/s]
+    stribeck_shape : 1 falls exponentially, 2 as a bell. [1]
+    """
+    relative_speed = speed / stribeck_velocity
+    return (stribeck_ratio - 1) * np.exp(-(relative_speed**stribeck_shape)) + 1
+
+
+def stribeck_factor_by_speed(speed, stribeck_ratio, stribeck_velocity, stribeck_shape):
+    """Slope of that factor in the speed, negative.
+
+    Effect stribeck, differentiated. Returns [s/m].
+
+    speed : speed of the stem along its motion. [m/s]
+    stribeck_ratio : friction at speed 0 over Coulomb friction. [1]
+    stribeck_velocity : speed at which the drop has fallen to 1/e. [m/s]
+    stribeck_shape : 1 falls exponentially, 2 as a bell. [1]
+    """
+    relative_speed = speed / stribeck_velocity
+    excess = (stribeck_ratio - 1) * np.exp(-(relative_speed**stribeck_shape))
+    return -excess * stribeck_shape * relative_speed ** (stribeck_shape - 1) / stribeck_velocity
+
+
+def reading_by_position(position, linkage_bow, linkage_skew, rated_travel):
+    """Slope of the reading in the position of the linkage.
+
+    Effect linkage_nonlinearity, differentiated. Returns [1].
+
+    position : stem displacement. [m]
+    linkage_bow : bow in the middle of the travel. [m]
+    linkage_skew : swing between the halves of the travel. [m]
+    rated_travel : travel from 0 to 100 %. [m]
+    """
+    share_of_travel = position / rated_travel
+    bow_slope = -4 * (2 * share_of_travel - 1)
+    skew_slope = 6 * (6 * share_of_travel**2 + 1 - 6 * share_of_travel) * np.sqrt(3)
+    return 1 + (linkage_bow * bow_slope + linkage_skew * skew_slope) / rated_travel

@@ -6,14 +6,18 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from diagnosis.ceiling import ceiling_of
+from diagnosis.confusability import Confusability, confusability
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
+from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import Candidate, select, workers
+from diagnosis.selection import Candidate, library_for, select, workers
+from diagnosis.sham import Control, control_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
@@ -25,6 +29,10 @@ from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
+from valvemodel.valves import read_valve
+
+if TYPE_CHECKING:
+    from diagnosis.next_experiment import NextExperiment
 
 SCHEMA = "valvemodel.diagnosis/1"
 
@@ -112,9 +120,15 @@ class Diagnosis:
     given: Model
     base: Fit
     found: Fit
+    tried: list[Candidate]
+    confusability: Confusability
+    control: Control
+    ceiling: Errors
+    residual_curves: list[Curve]
     steps: list[tuple[str, float]]
     warnings: tuple[str, ...]
     seconds: float
+    next_experiment: NextExperiment | None = None
 
     @property
     def cause(self) -> Cause:
@@ -134,6 +148,15 @@ class Diagnosis:
                 "scored_on": self.holdout.scored_on,
                 "yardstick": YARDSTICKS[self.yardstick],
             },
+            "ceiling": {
+                "gap_after": self.ceiling.rms,
+                "gap_closed": closed_share(self.refitted.rms, self.ceiling.rms, self.floor),
+                "gap_closed_interval": closed_interval(self.refitted, self.ceiling, self.floor),
+            },
+            "control": vars(self.control),
+            "confusability": self.confusability.as_json(),
+            "residual_curves": [curve.as_json() for curve in self.residual_curves],
+            "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
             "not_tried": [
@@ -166,9 +189,10 @@ class Diagnosis:
 
 
 def diagnose(
-    records: Sequence[Record],
-    model: Model,
+    records: Record | Sequence[Record],
+    model: Model | None = None,
     *,
+    candidates: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress = lambda what, share: None,
 ) -> Diagnosis:
@@ -176,10 +200,12 @@ def diagnose(
 
     Parameters
     ----------
-    records : sequence of Record
+    records : Record or sequence of Record
         Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
     model : Model
-        The valve as given; its base parameters are where the refit begins.
+        The valve as given, by default the set `calibrated`; its base parameters are where the refit begins.
+    candidates : sequence of str or None
+        Keys of the effects that may be the cause; by default all that the records can show.
     jobs : int or None
         Processes; by default one a core.
     progress : callable
@@ -188,23 +214,34 @@ def diagnose(
     Returns
     -------
     Diagnosis
+
+    Raises
+    ------
+    InputError
+        If a candidate is no effect, or a single record is too short to keep a part of it back.
     """
+    records = [records] if isinstance(records, Record) else records
+    if model is None:
+        valve = read_valve("calibrated")
+        model = Model(valve.name, valve.values)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
+    library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        candidates = select(first, holdout, pool, progress)
-    floors = floors_of(candidates, holdout)
-    judgement = judge(candidates, floors)
-    yardstick = yardstick_of(candidates[int(np.argmax(judgement.probabilities))], first, floors)
+        tried = select(first, holdout, library, pool, progress)
+    floors = floors_of(tried, holdout)
+    judgement = judge(tried, floors)
+    yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
-    causes = causes_of(candidates, judgement, floor, yardstick)
+    causes = causes_of(tried, judgement, floor, yardstick)
     verdict = verdict_of(causes, judgement)
-    shown = next(each for each in candidates if each.effects == causes[0].effects)
+    shown = next(each for each in tried if each.effects == causes[0].effects)
     as_given = errors_as_given(model, holdout, yardstick)
+    control = control_of(tried, holdout, floors, yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
@@ -232,8 +269,13 @@ def diagnose(
         given=model,
         base=whole_base,
         found=whole,
-        steps=steps_of(as_given, candidates, shown, floor, yardstick),
-        warnings=(*(warning for record in records for warning in record.warnings), *notes),
+        tried=tried,
+        confusability=confusability(whole_base, library),
+        control=control,
+        ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
+        residual_curves=residual_curves(experiments, whole_base) if verdict == "unknown" else [],
+        steps=steps_of(as_given, tried, shown, floor, yardstick),
+        warnings=(*(each for record in records for each in record.warnings), *notes, *control.notes),
         seconds=time.perf_counter() - began,
     )
 

@@ -1,0 +1,178 @@
+"""The slopes that a linearisation needs: the laws of base valve and effects, differentiated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import sympy as sp
+
+from derivations.glossary import symbol, symbols
+from derivations.nozzle import normalised_inflow
+
+_PARTS = (
+    "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "share_of_travel",
+    "bow_slope", "skew_slope",
+)  # fmt: skip
+ABOVE, PRESSURE_SHARE, RELATIVE, DISTANCE, RELATIVE_SPEED, TRAVEL_SHARE, BOW_SLOPE, SKEW_SLOPE = (
+    sp.Symbol(name, positive=True) for name in _PARTS
+)
+"""What the laws are functions of; each is a part with a line of its own."""
+
+
+def rows() -> Iterator[tuple[Any, ...]]:
+    """Yield the arguments of `Source` for each function to generate, in the order of the chain."""
+    yield (
+        "saturated_current_by_current", "electromagnet", "i r_m i_k w_i", sp.diff(saturated_current(), ABOVE),
+        "Slope of the current that the flux stands for.", "magnetic_saturation, differentiated", "1",
+        ((ABOVE.name, symbol("i") - symbol("i_k")),),
+    )  # fmt: skip
+    yield (
+        "chamber_rate", "nozzle", "P_b delta P_1 K T_f g_f", chamber_rate(),
+        "Rate at which a small departure of the pressure from its rest dies out.",
+        "chamber_filling, differentiated", "1/s",
+        (
+            (PRESSURE_SHARE.name, symbol("P_b") / symbol("P_1")),
+            ("filling_time", filling_time()),
+            ("inflow_slope", inflow_slope()),
+        ),
+    )  # fmt: skip
+    yield (
+        "subsonic_share_by_ratio", "nozzle", "r_p b_c", sp.diff(subsonic_share(), RELATIVE) / (1 - symbol("b_c")),
+        "Slope of the flow through a hole over its choked flow, above the critical ratio.",
+        "choked_flow, differentiated", "1",
+        ((RELATIVE.name, (symbol("r_p") - symbol("b_c")) / (1 - symbol("b_c"))),),
+    )  # fmt: skip
+    yield (
+        "settled_droop_by_share", "nozzle", "s_p c_d P_1", sp.diff(settled_droop(), symbol("s_p")),
+        "Slope of the sag that the nozzle's own air keeps up.", "supply_droop, differentiated", "Pa",
+    )  # fmt: skip
+    yield (
+        "leaked_pressure_by_pressure", "nozzle", "P_a l_a P_1", 1 / sp.diff(pressure_before_leak(), symbol("P_a")),
+        "Slope of the actuator pressure behind the leak in the pressure before it.",
+        "air_leak, differentiated", "1",
+    )  # fmt: skip
+    yield (
+        "thrust_by_pressure", "stem", "y S_1 a_y1 a_y2", effective_area(),
+        "Slope of the driving force in the pressure: the effective area.", "area_variation, differentiated", "m^2",
+    )  # fmt: skip
+    yield (
+        "thrust_by_position", "stem", "P_b y S_1 k h_k a_y1 a_y2",
+        symbol("P_b") * sp.Symbol("area_by_position", positive=True) - sp.Symbol("spring_stiffness", positive=True),
+        "Slope of the driving force in the position, negative where the stem is stable.",
+        "spring_hardening and area_variation, differentiated", "N/m",
+        (
+            ("area_by_position", sp.factor(sp.diff(effective_area(), symbol("y")))),
+            ("spring_stiffness", sp.factor(sp.diff(spring_force(), symbol("y")))),
+        ),
+    )  # fmt: skip
+    yield (
+        "tight_friction_by_position", "stem", "y F_c A_t y_t w_t", sp.diff(tight_friction(), DISTANCE) / symbol("w_t"),
+        "Slope of the Coulomb friction in the position.", "position_dependent_friction, differentiated", "N/m",
+        ((DISTANCE.name, (symbol("y") - symbol("y_t")) / symbol("w_t")), ("bell", sp.exp(-(DISTANCE**2)))),
+    )  # fmt: skip
+    yield (
+        "seal_friction_by_pressure", "stem", "P_b S_p n_p P_1",
+        sp.powsimp(sp.diff(seal_friction(), PRESSURE_SHARE)) / symbol("P_1"),
+        "Slope of the Coulomb friction in the pressure.", "pressure_dependent_friction, differentiated", "m^2",
+        ((PRESSURE_SHARE.name, symbol("P_b") / symbol("P_1")),),
+    )  # fmt: skip
+    relative_speed = ((RELATIVE_SPEED.name, symbol("u_y") / symbol("v_b")),)
+    yield (
+        "stribeck_factor", "stem", "u_y r_s v_b n_s", stribeck_factor(),
+        "Friction in slip over Coulomb friction.", "stribeck", "1", relative_speed,
+    )  # fmt: skip
+    yield (
+        "stribeck_factor_by_speed", "stem", "u_y r_s v_b n_s",
+        sp.powsimp(sp.diff(stribeck_factor(), RELATIVE_SPEED)) / symbol("v_b"),
+        "Slope of that factor in the speed, negative.", "stribeck, differentiated", "s/m",
+        (*relative_speed, ("excess", stribeck_factor() - 1)),
+    )  # fmt: skip
+    yield (
+        "reading_by_position", "sensor", "y h_l s_l L",
+        1 + (symbol("h_l") * BOW_SLOPE + symbol("s_l") * SKEW_SLOPE) / symbol("L"),
+        "Slope of the reading in the position of the linkage.", "linkage_nonlinearity, differentiated", "1",
+        (
+            (TRAVEL_SHARE.name, symbol("y") / symbol("L")),
+            (BOW_SLOPE.name, bow_by_share(symbol("h_l"))),
+            (SKEW_SLOPE.name, bow_by_share(symbol("s_l"))),
+        ),
+    )  # fmt: skip
+
+
+def saturated_current() -> sp.Expr:
+    """Two straight parts with a rounded knee, as a function of the current above it, but for a constant."""
+    slope, width = symbols("r_m w_i")
+    return ABOVE - (1 - slope) * (ABOVE + sp.sqrt(ABOVE**2 + width**2)) / 2
+
+
+def filling_time() -> sp.Expr:
+    """The time to fill grows with the pressure, as the diaphragm gives way."""
+    duration, growth = symbols("T_f g_f")
+    return duration * (1 + growth * PRESSURE_SHARE)
+
+
+def inflow_slope() -> sp.Expr:
+    """How the inflow (15) falls as the pressure's share of the supply grows."""
+    inflow = normalised_inflow().subs(symbol("P_b"), PRESSURE_SHARE * symbol("P_1"))
+    return -sp.diff(inflow, PRESSURE_SHARE)
+
+
+def chamber_rate() -> sp.Expr:
+    """T dP/dt = P_1 inflow, linearised in the pressure."""
+    return sp.Symbol("inflow_slope", positive=True) / sp.Symbol("filling_time", positive=True)
+
+
+def subsonic_share() -> sp.Expr:
+    """ISO 6358: an ellipse between the critical ratio of the pressures and 1."""
+    return sp.sqrt(1 - RELATIVE**2)
+
+
+def settled_droop() -> sp.Expr:
+    """The sag of the supply under the flow that the orifice passes at rest."""
+    share, consumption, supply = symbols("s_p c_d P_1")
+    return consumption * supply * sp.sqrt(1 - share)
+
+
+def pressure_before_leak() -> sp.Expr:
+    """Laminar restriction into a turbulent hole, at rest."""
+    behind, ratio, supply = symbols("P_a l_a P_1")
+    return behind + ratio * sp.sqrt(supply * behind)
+
+
+def effective_area() -> sp.Expr:
+    """The diaphragm's area changes with travel."""
+    position, area, slope, curvature = symbols("y S_1 a_y1 a_y2")
+    return area * (1 + slope * position + curvature * position**2)
+
+
+def spring_force() -> sp.Expr:
+    """Duffing's cubic spring."""
+    position, rate, hardening = symbols("y k h_k")
+    return rate * position * (1 + hardening * position**2)
+
+
+def tight_friction() -> sp.Expr:
+    """Coulomb friction with a tight spot, as a function of the relative distance from its middle."""
+    coulomb, excess = symbols("F_c A_t")
+    return coulomb * (1 + excess * sp.exp(-(DISTANCE**2)))
+
+
+def seal_friction() -> sp.Expr:
+    """Friction of a self-energising lip."""
+    area, order, supply = symbols("S_p n_p P_1")
+    return area * supply * PRESSURE_SHARE**order
+
+
+def stribeck_factor() -> sp.Expr:
+    """Friction falls from breakaway to Coulomb as the stem speeds up."""
+    ratio, shape = symbols("r_s n_s")
+    return 1 + (ratio - 1) * sp.exp(-(RELATIVE_SPEED**shape))
+
+
+def bow_by_share(amount: sp.Symbol) -> sp.Expr:
+    """Slope of the bow or the skew of a rotary linkage in the share of the rated travel, over its amount."""
+    bow, skew = symbols("h_l s_l")
+    swing = sp.sqrt(27) / 2 * skew * (1 - 2 * TRAVEL_SHARE)
+    indicated = 4 * TRAVEL_SHARE * (1 - TRAVEL_SHARE) * (bow + swing)
+    return sp.factor(sp.diff(indicated, TRAVEL_SHARE, amount))

@@ -1,0 +1,176 @@
+"""Residual curves: what the refitted base leaves at each stage, and what that depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from diagnosis.score import persistence_of
+from identification.experiment import Experiment
+from identification.fit import Fit
+from identification.inverse_dynamics import fit_stem, prepare_signals
+from valvemodel.errors import InputError
+from valvemodel.model import Model
+from valvemodel.records import Record
+
+BINS = 16
+FEWEST = 12
+"""Samples below which a bin says nothing."""
+
+WIDEST = 4.5
+"""A residual counts up to this many times its median absolute value, three standard deviations of a normal one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The mean of a residual over a quantity.
+
+    Attributes
+    ----------
+    signal, unit : str
+        `position`, `pressure`, `gap`, `force` or `friction` (the force against the motion), measured less modelled.
+    stage : str
+        Where the residual arises: the stage, or those before the position where the pressure was not measured.
+    against, against_unit : str
+        The quantity.
+    at, mean, error : arrays, shape (bins,)
+        Middle of each bin, mean of the residual in it and its standard error; neighbouring samples that go together
+        count as one.
+    share : float
+        Part of the residual's variance that the curve explains.
+    """
+
+    signal: str
+    unit: str
+    stage: str
+    against: str
+    against_unit: str
+    at: np.ndarray
+    mean: np.ndarray
+    error: np.ndarray
+    share: float
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the curve as diagnosis.json has it."""
+        return vars(self)
+
+
+def residual_curves(experiments: Sequence[Experiment], base: Fit) -> list[Curve]:
+    """Return what the residuals depend on, for each signal the quantity first that explains most.
+
+    Position and, where measured, pressure are compared with the base's own run; the gap is that which the measured
+    pressure takes at rest, less that which the current makes; the force is the measured pressure's on the diaphragm,
+    less what mass, spring and friction take (least squares while the stem moves).
+    """
+    curves = list(curves_of_run(experiments, base))
+    if all(experiment.pressure is not None for experiment in experiments):
+        curves += curves_of_force(experiments, base.model)
+    signals = dict.fromkeys(curve.signal for curve in curves)
+    return [
+        curve
+        for signal in signals
+        for curve in sorted((each for each in curves if each.signal == signal), key=lambda each: -each.share)
+    ]
+
+
+def curves_of_run(experiments: Sequence[Experiment], base: Fit) -> Iterator[Curve]:
+    """Yield the curves of position, pressure and gap."""
+    runs = [base.simulated_on(experiment) for experiment in experiments]
+    quantities = {
+        "current": ("A", _joined([each.current for each in experiments])),
+        "position": ("m", _joined([run.position[0] for run in runs])),
+        "speed": ("m/s", _joined([_slope(r.position[0], e.time) for r, e in zip(runs, experiments, strict=True)])),
+        "time": ("s", _joined([each.time for each in experiments])),
+    }
+    off = _joined([each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)])
+    measured = _joined([each.pressure for each in experiments if each.pressure is not None])
+    has_pressure = len(measured) == len(off)
+    yield from curves_against("position", "m", "stem or sensor" if has_pressure else "any", off, quantities)
+    if not has_pressure:
+        return
+    before_stem = {name: quantities[name] for name in ("current", "time")} | {"pressure": ("Pa", measured)}
+    off = measured - _joined([run.pressure[0] for run in runs])
+    yield from curves_against("pressure", "Pa", "electromagnet or nozzle", off, before_stem)
+    made = _joined([run.pressure[0] for run in runs])
+    gap = gap_at(measured, base.model) - gap_at(made, base.model)
+    yield from curves_against("gap", "m", "electromagnet or nozzle", gap, before_stem)
+
+
+def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator[Curve]:
+    """Yield the curves of the force on the stem and of that against its motion; none where the stem hardly moves."""
+    residuals: list[np.ndarray] = []
+    directions: list[np.ndarray] = []
+    quantities: dict[str, list[np.ndarray]] = {"position": [], "speed": [], "time": [], "pressure": []}
+    for each in experiments:
+        assert each.pressure is not None
+        force = model.values["diaphragm_area"] * each.pressure
+        try:
+            signals = prepare_signals(
+                Record.from_arrays(each.name, time=each.time, force=force, position=each.position)
+            )
+            residuals.append(fit_stem(signals).residual)
+        except InputError:
+            return
+        directions.append(np.sign(signals.decimate(signals.direction)))
+        quantities["position"].append(signals.decimate(signals.position))
+        quantities["speed"].append(signals.decimate(signals.velocity))
+        quantities["time"].append(signals.row_time)
+        quantities["pressure"].append(signals.row_force / model.values["diaphragm_area"])
+    units = {"position": "m", "speed": "m/s", "time": "s", "pressure": "Pa"}
+    against = {name: (units[name], _joined(parts)) for name, parts in quantities.items()}
+    residual, direction = _joined(residuals), _joined(directions)
+    yield from curves_against("force", "N", "stem", residual, against)
+    yield from curves_against("friction", "N", "stem", residual * direction, against)
+
+
+def curves_against(
+    signal: str, unit: str, stage: str, residual: np.ndarray, quantities: Mapping[str, tuple[str, np.ndarray]]
+) -> Iterator[Curve]:
+    """Yield the mean of a residual over each quantity, in bins of equal count."""
+    known = np.isfinite(residual)
+    residual = without_outliers(residual[known])
+    lasting = persistence_of(residual)
+    whole = float(residual @ residual) or 1.0
+    for name, (quantity_unit, values) in quantities.items():
+        values = values[known]
+        edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, BINS + 1)))
+        number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, max(len(edges) - 2, 0))
+        counts = np.bincount(number)
+        kept = np.flatnonzero(counts >= FEWEST)
+        at, mean = (np.bincount(number, each)[kept] / counts[kept] for each in (values, residual))
+        square = np.bincount(number, residual**2)[kept] / counts[kept] - mean**2
+        error = np.sqrt(np.maximum(square, 0.0) * lasting / counts[kept])
+        share = float(np.sum(counts[kept] * mean**2)) / whole
+        yield Curve(signal, unit, stage, name, quantity_unit, at, mean, error, share)
+
+
+def without_outliers(residual: np.ndarray) -> np.ndarray:
+    """Return a residual about 0, its rare large values cut down: a jump in a fast stroke says nothing of a curve."""
+    residual = residual - np.median(residual)
+    widest = WIDEST * float(np.median(np.abs(residual)))
+    clipped = np.clip(residual, -widest, widest)
+    return clipped - clipped.mean()
+
+
+def gap_at(pressure: np.ndarray, model: Model) -> np.ndarray:
+    """Return the gap at which the nozzle rests at a pressure, NaN outside 0 to supply. [m]
+
+    References
+    ----------
+    Paper eq. (16) solved for the gap.
+    """
+    supply = model.values["supply_pressure"]
+    inside = (pressure > 0.0) & (pressure < supply)
+    ratio = supply / np.where(inside, pressure, supply) - 1.0
+    return np.where(inside, np.sqrt(ratio / model.values["flow_ratio"]), np.nan)
+
+
+def _slope(values: np.ndarray, time: np.ndarray) -> np.ndarray:
+    return np.gradient(values, time)
+
+
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate(parts) if parts else np.empty(0)

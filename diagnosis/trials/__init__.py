@@ -1,0 +1,1 @@
+"""How often is the diagnosis right? Blind plants are sealed, diagnosed, opened and scored."""

@@ -1,0 +1,53 @@
+"""Closure: how much of the reducible gap the found model closes on an unseen record of the same valve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from diagnosis.blindtest.plants import Plant, measure
+from diagnosis.score import closed_share
+from identification.experiment import Experiment, experiment_of
+from identification.fit import simulate_model
+from valvemodel.model import Model, read_model
+from valvemodel.records import Record
+
+WORTH_CLOSING = 1.5
+"""Gap of the refitted base over the noise from which a share of it means something."""
+
+
+def closure_on_unseen(answer: Path, plant: Plant, seed: int, *, is_anchored: bool) -> dict[str, float | None]:
+    """Compare the refitted base and the found model with a record of the valve that no one has seen.
+
+    The noise floor is the one that was built into the plant.
+
+    Parameters
+    ----------
+    answer : Path
+        Folder with base.json and model.json.
+    plant : Plant
+    seed : int
+        Of the record.
+    is_anchored : bool
+        Whether the runs are put anew on the readings every so often, as the diagnosis was judged, or run free.
+
+    Returns
+    -------
+    dict
+        `base`, `found`, `floor` [m], and `closed`, the share, None where the base reaches the noise.
+    """
+    taken = measure(plant, seed)
+    unseen = experiment_of(
+        Record.from_arrays(name="unseen", time=taken["time"], current=taken["current"], position=taken["position"])
+    )
+    base, found = (gap(read_model(answer / name), unseen, is_anchored) for name in ("base.json", "model.json"))
+    floor = float(np.hypot(plant.noise, plant.resolution / np.sqrt(12.0)))
+    closed = closed_share(base, found, floor) if base > WORTH_CLOSING * floor else None
+    return {"base": base, "found": found, "floor": floor, "closed": closed}
+
+
+def gap(model: Model, unseen: Experiment, is_anchored: bool) -> float:
+    """Return the root mean squared error of the position, started at the first readings. [m]"""
+    run = simulate_model(model, unseen, start_position=unseen.first_reading, is_anchored=is_anchored)
+    return float(np.sqrt(np.nanmean((unseen.position - run.position[0]) ** 2)))

@@ -1,0 +1,1 @@
+"""Which numbers a record determines: by structure, by sensitivity, and after a fit by intervals."""

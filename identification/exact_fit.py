@@ -1,0 +1,107 @@
+"""The exact route: the exact simulator fitted by a global search, without smoothing and without a good start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import product
+from math import isfinite
+
+import numpy as np
+
+from identification.experiment import Experiment
+from identification.extension import extend
+from identification.fit import Fit, Masks, base_and_start_unknowns, base_box, finished, fit_base, measured
+from identification.hints import starts_of
+from identification.problem import Problem
+from identification.unknowns import effect_unknowns
+from identification.wide import Box, is_at_noise, search_wide
+from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
+
+Progress = Callable[[str, float], None]
+
+MOST_UNKNOWNS = 12
+"""More are not searched for at once."""
+
+
+def fit_exact(
+    model: Model,
+    experiments: Sequence[Experiment],
+    used: Masks | None = None,
+    *,
+    effects: Sequence[str] = (),
+    progress: Progress = lambda what, share: None,
+) -> Fit:
+    """Fit base parameters and those of effects to experiments, in the exact simulator.
+
+    Effects whose error has many minima (static friction, a tight spot) are searched for together with the base
+    parameters: a base valve fitted without them lies in another valley. Where that does not come down to the noise,
+    effects are added one by one as well, and the better fit counts. The smooth route (`--route smooth`) is the better
+    one where many records share many parameters and none of them is jagged: its cost grows less with their number.
+
+    Parameters
+    ----------
+    model : Model
+        Gives the numbers that are not fitted; the search reaches from a third to three times its fitted ones.
+    experiments : sequence of Experiment
+    used : sequence of arrays of bool, or None for all that was measured
+    effects : sequence of str
+        Keys, in the order in which they are added.
+    progress : callable
+        Called with what is being done and a share of it from 0 to 1.
+
+    Returns
+    -------
+    Fit
+    """
+    fits = []
+    if any(effect_of_key(key).is_jagged for key in effects):
+        progress("base valve and effects together", 0.0)
+        fits += [fit_jointly(*case) for case in joint_problems(model, experiments, used, effects)]
+        fits.sort(key=lambda fit: fit.found.error)
+        if fits and is_at_noise(fits[0].problem, fits[0].found):
+            return fits[0]
+    progress("base valve", 1.0 / (len(effects) + 3))
+    fit = fit_base(model, experiments, used)
+    for number, key in enumerate(effects, 2):
+        progress(key, number / (len(effects) + 3))
+        fit = extend(fit, key)
+    return min([fit, *fits], key=lambda each: each.found.error)
+
+
+def fit_jointly(problem: Problem, box: Box) -> Fit:
+    """Fit all unknowns of a problem at once."""
+    return finished(problem, search_wide(problem, box, is_jagged=True))
+
+
+def joint_problems(
+    model: Model, experiments: Sequence[Experiment], used: Masks | None, effects: Sequence[str]
+) -> Iterator[tuple[Problem, Box]]:
+    """Yield a problem and its box for each combination of the effects' forms."""
+    unknowns = base_and_start_unknowns(model, experiments)
+    for forms in product(*(forms_of(key, experiments) for key in effects)):
+        extended, added, sides = model, [], []
+        for key, starts in zip(effects, forms, strict=True):
+            extended = extended.with_effect(key, **starts[0])
+            own = effect_unknowns(key, starts[0])
+            neutral = {each.name: each.neutral for each in effect_of_key(key).parameters}
+            for unknown in own:
+                reach = [unknown.scaled(start[unknown.name]) for start in (neutral, *starts)]
+                sides.append((min(reach), max(reach)))
+            added += own
+        if len(unknowns) + len(added) > MOST_UNKNOWNS:
+            return
+        is_anchored = any(effect_of_key(key).is_chaotic for key in effects)
+        problem = Problem(extended, experiments, [*unknowns, *added], used or measured(experiments), is_anchored)
+        yield problem, [*base_box(unknowns, experiments), *sides]
+
+
+def forms_of(key: str, experiments: Sequence[Experiment]) -> list[list[dict[str, float]]]:
+    """Return the starts of an effect in groups that differ in fitted finite parameters only."""
+    fitted = {parameter.name for parameter in effect_of_key(key).fitted}
+    readings = [experiment.position - np.nanmean(experiment.position) for experiment in experiments]
+    forms: dict[tuple[object, ...], list[dict[str, float]]] = {}
+    for start in starts_of(effect_of_key(key), list(experiments), readings):
+        kind = tuple(isfinite(value) if name in fitted else value for name, value in start.items())
+        forms.setdefault(kind, []).append(start)
+    return list(forms.values())

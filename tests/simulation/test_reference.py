@@ -1,0 +1,150 @@
+"""The compiled chain against the valve in plain Python, which shares no code with it."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+from simulation_runs import EFFECT_KEYS, base_model, ramps_and_steps, with_effects
+
+import valvemodel.reference
+from valvemodel.reference import simulate_slowly
+from valvemodel.reference.curved import CurvedStem
+from valvemodel.reference.numbers import numbers_of
+from valvemodel.reference.valve import Valve
+from valvemodel.simulation import simulate
+
+EXACT_KEYS = [
+    "magnetic_hysteresis", "magnetic_saturation",
+    "air_leak", "choked_flow", "transport_delay",
+    "static_friction", "asymmetric_friction", "asymmetric_viscous_friction", "pressure_dependent_friction",
+    "area_variation", "end_stop",
+    "linkage_backlash", "quantisation", "sensor_drift", "sensor_lag", "linkage_nonlinearity",
+]  # fmt: skip
+
+EXACT = 2e-14
+"""Some ulp of the position: 1 ulp of 0.25 m is 5.6e-17 m, and a creep ends within 2.7e-14 m by rounding. [m]"""
+
+LOOSER = {"choked_flow": 1e-12}
+"""The compiled root of the flow balance is found to 1e-7 Pa. [m]"""
+
+
+def uneven(time: np.ndarray) -> np.ndarray:
+    """The same rows at uneven times."""
+    return time + np.random.default_rng(2).uniform(-0.009, 0.009, len(time))
+
+
+def difference(model, time, current, start=float("nan")) -> float:
+    found = simulate(model, time=time, current=current, start_position=start)
+    expected = simulate_slowly(model, time=time, current=current, start_position=start)
+    assert (found.mode == expected.mode).all()
+    assert np.abs(found.pressure - expected.pressure).max() < 1e-6
+    assert np.abs(found.stem_position - expected.stem_position).max() < 1e-12
+    assert np.abs(found.velocity - expected.velocity).max() < 1e-9
+    return float(np.abs(found.position - expected.position).max())
+
+
+@pytest.mark.parametrize("damping", [612.9, 1.59])
+@pytest.mark.parametrize("key", [None, *EXACT_KEYS])
+def test_exact_effect_is_the_same_in_plain_python(key, damping):
+    model = base_model(viscous_friction=damping)
+    model = with_effects(model, key) if key else model
+    time, current = ramps_and_steps(seconds=15.0, seed=1)
+    bound = LOOSER.get(key, EXACT)
+    assert difference(model, time, current) < bound
+    assert difference(model, uneven(time), current) < bound
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_pair_of_exact_effects_is_the_same_in_plain_python(seed):
+    generator = np.random.default_rng(seed)
+    pair = generator.choice(EXACT_KEYS, 2, replace=False)
+    model = with_effects(base_model(viscous_friction=generator.choice([1.59, 60.0, 227.0, 612.9])), *pair)
+    time, current = ramps_and_steps(seconds=6.0, seed=seed)
+    start = generator.uniform(0.07, 0.18)
+    bound = max(LOOSER.get(key, EXACT) for key in pair)
+    assert difference(model, time, current, start) < bound
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"spring_rate": 0.0, "coulomb_friction": 4000.0},
+        {"spring_rate": 0.0, "viscous_friction": 0.0, "coulomb_friction": 5000.0},
+        {"coulomb_friction": 0.0},
+        {"viscous_friction": 0.0},
+        {"spring_preload": -900.0, "travel_min": 0.06, "travel_max": 0.2},
+        {"viscous_friction": 2.0 * (1.36 * 52500.0) ** 0.5},
+    ],
+    ids=lambda values: " ".join(values),
+)
+def test_odd_valve_is_the_same_in_plain_python(values):
+    time, current = ramps_and_steps(seconds=10.0, seed=5)
+    assert difference(base_model(**values), time, current) < 1e-13
+
+
+INTEGRATED = {
+    "coil_lag": 1e-5,
+    "gap_drift": 1e-6,
+    "chamber_filling": 1e-5,
+    "asymmetric_filling": 4e-5,
+    "supply_droop": 5e-8,
+    "stribeck": 1e-4,
+    "position_dependent_friction": 1e-7,
+    "presliding": 2e-7,
+    "spring_hardening": 1e-7,
+    "load_force": 3e-8,
+    "friction_drift": 3e-7,
+}
+"""How far the compiled chain may be off, at its default accuracy, from an integration at 1e-12. [m]"""
+
+INTEGRATED_PAIR = 5e-5
+"""The same for two effects at once. [m]"""
+
+
+@pytest.mark.parametrize("key", INTEGRATED)
+def test_integrated_effect_agrees_with_an_independent_integration(key):
+    time, current = ramps_and_steps(seconds=2.0, seed=1)
+    model = with_effects(base_model(), key)
+    found = simulate(model, time=time, current=current).position
+    expected = simulate_slowly(model, time=time, current=current).position
+    assert np.abs(found - expected).max() < INTEGRATED[key]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_pair_with_an_integrated_effect_agrees(seed):
+    generator = np.random.default_rng(seed)
+    first = generator.choice(list(INTEGRATED))
+    second = generator.choice([key for key in (*INTEGRATED, *EXACT_KEYS) if key not in (first, "quantisation")])
+    time, current = ramps_and_steps(seconds=1.5, seed=seed)
+    model = with_effects(base_model(), first, second)
+    found = simulate(model, time=time, current=current).position
+    expected = simulate_slowly(model, time=time, current=current).position
+    assert np.abs(found - expected).max() < INTEGRATED_PAIR
+
+
+@pytest.mark.parametrize("damping", [612.9, 1.59])
+def test_integrated_stem_agrees_with_the_closed_form(damping):
+    numbers = numbers_of(with_effects(base_model(viscous_friction=damping), "static_friction"))
+    time, current = ramps_and_steps(seconds=4.0, seed=7)
+    closed, integrated = Valve(numbers, current[0], float("nan")), Valve(numbers, current[0], float("nan"))
+    integrated.stem = CurvedStem(numbers, integrated.stem.position)
+    for start, held in zip(time.tolist(), current.tolist(), strict=True):
+        closed.hold(held, start, 0.02)
+        integrated.hold(held, start, 0.02)
+        assert abs(closed.stem.position - integrated.stem.position) < 2e-11
+
+
+def test_every_effect_is_in_one_table():
+    assert {*EXACT_KEYS, *INTEGRATED} == set(EFFECT_KEYS)
+
+
+def test_reference_calls_nothing_compiled():
+    folder = Path(valvemodel.reference.__file__).parent
+    allowed = {"valvemodel.errors", "valvemodel.model", "valvemodel.base_valve"}
+    for path in folder.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("valvemodel"):
+                names = {alias.name for alias in node.names}
+                is_own = str(node.module).startswith("valvemodel.reference")
+                assert is_own or node.module in allowed or names <= {"EFFECTS", "Setting", "Trajectory"}, path.name

@@ -1,0 +1,1 @@
+"""What does a controller do with set point and reading? Compiled laws, one file each."""

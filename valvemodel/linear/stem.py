@@ -1,0 +1,94 @@
+"""The stem linearised: actuator pressure to position."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import control as ct
+import numpy as np
+
+from valvemodel.equations import numeric
+from valvemodel.linear.block import Treatment, block, gain
+from valvemodel.linear.point import OperatingPoint, evaluate, falling_friction
+
+TREATMENTS = {
+    "static_friction": Treatment(False, "breaking away is an event; see the describing function and the return map"),
+    "stribeck": Treatment(True, "a damping that is less, or negative, by the slope of friction in speed"),
+    "asymmetric_friction": Treatment(True, "the friction of its side places the branch"),
+    "asymmetric_viscous_friction": Treatment(True, "the damping of its side; the mean of both when stuck"),
+    "position_dependent_friction": Treatment(True, "a stiffness, the slope of friction in position"),
+    "pressure_dependent_friction": Treatment(True, "less area rising and more falling, by its slope"),
+    "presliding": Treatment(
+        True, "stuck: the bristles' stiffness adds to the spring's; in slip they follow the friction at speed/(C F)"
+    ),
+    "spring_hardening": Treatment(True, "the tangent stiffness"),
+    "area_variation": Treatment(True, "the effective area, and a stiffness of the pressure"),
+    "end_stop": Treatment(False, "a stem that an end of the travel holds has no operating point"),
+    "load_force": Treatment(False, "a disturbance: the point is taken at the start"),
+    "friction_drift": Treatment(False, "a disturbance: the point is taken at the start"),
+}
+
+
+def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.StateSpace]:
+    """Return the block from `pressure` to `position`."""
+    compliance = numbers["presliding_compliance"]
+    if point.side == 0.0 and compliance == 0.0:
+        return [gain("stem", 0.0, "pressure", "position")]
+    mass = numbers["stem_mass"]
+    area = evaluate(numeric.thrust_by_pressure, numbers, position=point.position)
+    stiffness = -evaluate(numeric.thrust_by_position, numbers, position=point.position, pressure=point.pressure)
+    damping = numbers["viscous_friction"] * (1.0 + numbers["viscous_asymmetry"] * point.side)
+    if point.side == 0.0:
+        stiffness += 1.0 / compliance
+        return [_oscillator(mass, damping, stiffness, area)]
+    by_position, by_speed, by_pressure = friction_slopes(numbers, point)
+    if compliance == 0.0:
+        return [_oscillator(mass, damping + by_speed, stiffness + by_position, area - by_pressure)]
+    rate = point.speed / (compliance * point.friction)
+    return [_bristled(mass, damping, stiffness, area, rate, (by_position, by_speed, by_pressure))]
+
+
+def friction_slopes(numbers: Mapping[str, float], point: OperatingPoint) -> tuple[float, float, float]:
+    """Return by how much the friction, positive along the position, grows with position, velocity and pressure.
+
+    Returns
+    -------
+    tuple of float
+        [N/m], [N s/m], [m^2]
+    """
+    if point.friction == 0.0:
+        return 0.0, 0.0, 0.0
+    fall = falling_friction(numbers)
+    factor = evaluate(numeric.stribeck_factor, fall, speed=point.speed)
+    coulomb = numbers["coulomb_friction"] * (1.0 + numbers["friction_asymmetry"] * point.side)
+    by_position = evaluate(
+        numeric.tight_friction_by_position, numbers, position=point.position, coulomb_friction=coulomb
+    )
+    by_pressure = evaluate(numeric.seal_friction_by_pressure, numbers, pressure=point.pressure)
+    by_speed = evaluate(numeric.stribeck_factor_by_speed, fall, speed=point.speed)
+    side = point.side
+    return side * factor * by_position, point.friction / factor * by_speed, side * factor * by_pressure
+
+
+def _oscillator(mass: float, damping: float, stiffness: float, area: float) -> ct.StateSpace:
+    a = [[0.0, 1.0], [-stiffness / mass, -damping / mass]]
+    states = ["position", "velocity"]
+    return block("stem", a, [[0.0], [area / mass]], [[1.0, 0.0]], [[0.0]], states, "pressure", "position")
+
+
+def _bristled(
+    mass: float, damping: float, stiffness: float, area: float, rate: float, slopes: tuple[float, float, float]
+) -> ct.StateSpace:
+    """Return a stem on bristles that are bent to the friction, which they follow at a rate. [1/s]"""
+    by_position, by_speed, by_pressure = slopes
+    a = np.array(
+        [
+            [0.0, 1.0, 0.0],
+            [-stiffness / mass, -damping / mass, -1.0 / mass],
+            [rate * by_position, rate * by_speed, -rate],
+        ]
+    )
+    b = np.array([[0.0], [area / mass], [rate * by_pressure]])
+    states, size = ["position", "velocity", "bristle_force"], 3 if rate > 0.0 else 2
+    c = np.array([[1.0, 0.0, 0.0]])
+    return block("stem", a[:size, :size], b[:size], c[:, :size], [[0.0]], states[:size], "pressure", "position")

@@ -1,0 +1,120 @@
+"""Motion of a stem on elastic friction: Dahl's bristles, with F_s > F_c those of LuGre. It is never quite stuck."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from itertools import pairwise
+from math import copysign, exp
+from types import SimpleNamespace
+
+from valvemodel.reference.air import Pressure
+from valvemodel.reference.flow import Flow, State, flow
+from valvemodel.reference.instant import first_instant
+from valvemodel.reference.slip import Motion
+from valvemodel.reference.stem import (
+    breakaway_ratio,
+    coulomb_friction,
+    highest_position,
+    lowest_position,
+    thrust,
+    viscous_friction,
+)
+
+FINEST = (1e-14, 1e-11, 1e-9)
+"""Of position, velocity and bristles. [m], [m/s], [N]"""
+
+LEAST = 1e-9
+"""Bristles that carry nothing would have no slope. [N]"""
+
+STATIC_DECAY = 1e-3
+"""Speed over which breakaway friction that is not Stribeck's falls to Coulomb's. [m/s]"""
+
+
+class BristleStem:
+    """Position, velocity and the force of the bristles."""
+
+    def __init__(self, numbers: SimpleNamespace, position: float, pressure: float) -> None:
+        self.numbers = numbers
+        self.lowest, self.highest = lowest_position(numbers), highest_position(numbers)
+        self.position = min(max(position, self.lowest), self.highest)
+        self.velocity = 0.0
+        self.pressure: Pressure = lambda _: pressure
+        self.time = 0.0
+        limit = sliding_limit(numbers, self.position, 0.0, pressure, 0.0)
+        self.bristle = min(max(thrust(numbers, self.position, pressure, 0.0), -limit), limit)
+
+    def hold(self, pressure: Pressure, time: float, duration: float) -> Iterator[tuple[Motion, float]]:
+        """Hold a current; yield each stretch of motion to one side, and how long it takes."""
+        self.pressure, self.time = pressure, time
+        used = 0.0
+        while used < duration:
+            held = self.position
+            found, lasted = self.move(used, duration - used)
+            if found is None:
+                yield partial(standing, held), lasted
+            else:
+                yield from one_way_parts(found, lasted)
+            used = duration if lasted == duration - used else used + lasted
+
+    def move(self, begin: float, left: float) -> tuple[Flow | None, float]:
+        """Move until an end of the travel or the end of what is left; return the flow, if any, and its time."""
+        if self.is_blocked(begin):
+            is_free = not self.is_blocked(begin + left)
+            return None, first_instant(lambda t: not self.is_blocked(begin + t), left) if is_free else left
+
+        def slope(instant: float, state: State) -> State:
+            n, time, pressure = self.numbers, self.time + begin + instant, self.pressure(begin + instant)
+            position, velocity, bristle = state
+            damping = viscous_friction(n, copysign(1.0, velocity))
+            net = thrust(n, position, pressure, time) - bristle - damping * velocity
+            limit = sliding_limit(n, position, velocity, pressure, time)
+            bending = (velocity - abs(velocity) * bristle / limit) / n.presliding_compliance
+            return [velocity, net / n.stem_mass, bending]
+
+        def is_beyond(_: float, state: State) -> bool:
+            return not self.lowest <= state[0] <= self.highest
+
+        found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
+        self.position, self.velocity, self.bristle = found(lasted)
+        if has_hit:
+            self.position, self.velocity = min(max(self.position, self.lowest), self.highest), 0.0
+        return found, lasted
+
+    def is_blocked(self, instant: float) -> bool:
+        """Return whether an end of the travel holds the stem."""
+        net = thrust(self.numbers, self.position, self.pressure(instant), self.time + instant) - self.bristle
+        is_at_end = self.position >= self.highest if net > 0.0 else self.position <= self.lowest
+        return self.velocity == 0.0 and is_at_end
+
+
+def sliding_limit(n: SimpleNamespace, position: float, velocity: float, pressure: float, time: float) -> float:
+    """Return the friction that the bristles approach at a velocity. [N]"""
+    side = copysign(1.0, velocity) if velocity else 0.0
+    friction = coulomb_friction(n, side, position, pressure, time)
+    decay = n.stribeck_velocity if n.stribeck_ratio > 1.0 else STATIC_DECAY
+    return max(friction * (1.0 + (breakaway_ratio(n) - 1.0) * exp(-abs(velocity) / decay)), LEAST)
+
+
+def one_way_parts(found: Flow, lasted: float) -> Iterator[tuple[Motion, float]]:
+    """Yield the parts of a flow between the instants at which the velocity changes its sign."""
+    begin, looks = 0.0, [instant for instant in found.ends if instant < lasted] + [lasted]
+    cuts = []
+    for low, high in pairwise([0.0, *looks]):
+        side = found(low)[1]
+        if side * found(high)[1] < 0.0:
+            cuts.append(low + first_instant(lambda t: side * found(low + t)[1] <= 0.0, high - low))  # noqa: B023
+    for end in [*cuts, lasted]:
+        if end > begin:
+            yield partial(later, found, begin), end - begin
+        begin = end
+
+
+def later(found: Flow, begin: float, instant: float) -> State:
+    """Return a flow an instant after one of its parts began."""
+    return found(begin + instant)
+
+
+def standing(position: float, _: float) -> State:
+    """Return the motion of a stem that stands still."""
+    return [position, 0.0]

@@ -1,0 +1,67 @@
+"""Electromagnet: from the current to the gap between nozzle and flapper."""
+
+from __future__ import annotations
+
+from math import exp, expm1, sqrt
+from types import SimpleNamespace
+
+
+class Electromagnet:
+    """Coil, core and flapper; a current is held from one call of `hold` to the next."""
+
+    def __init__(self, numbers: SimpleNamespace, current: float) -> None:
+        self.numbers = numbers
+        self.flux = self.held = current
+        self.magnetised = saturated(numbers, current)
+        self.loop = 0.0
+
+    def hold(self, current: float) -> None:
+        """Switch to a current."""
+        self.held = current
+
+    def flux_after(self, duration: float) -> float:
+        """Return the current that the flux stands for: tau di_e/dt = i - i_e. [A]"""
+        if self.numbers.coil_time_constant == 0.0:
+            return self.held
+        return self.held + (self.flux - self.held) * exp(-duration / self.numbers.coil_time_constant)
+
+    def loop_after(self, magnetising: float) -> float:
+        """Return where in its loop the core is, -1..1: dz = (1 - z sign(di)) di / (2 h (1 + rho))."""
+        n = self.numbers
+        change = magnetising - self.magnetised
+        if n.hysteresis_half_width == 0.0 or change == 0.0:
+            return self.loop
+        side = 1.0 if change > 0.0 else -1.0
+        reach = 2.0 * n.hysteresis_half_width * (1.0 + n.hysteresis_roundness)
+        return side + (self.loop - side) * exp(-abs(change) / reach)
+
+    def current_after(self, duration: float) -> float:
+        """Return the effective current: lagged, saturated, less the half width of the loop. [A]"""
+        magnetising = saturated(self.numbers, self.flux_after(duration))
+        return magnetising - self.numbers.hysteresis_half_width * self.loop_after(magnetising)
+
+    def advance(self, duration: float) -> None:
+        """Let a duration pass."""
+        self.flux = self.flux_after(duration)
+        magnetising = saturated(self.numbers, self.flux)
+        self.loop = self.loop_after(magnetising)
+        self.magnetised = magnetising
+
+
+def saturated(n: SimpleNamespace, current: float) -> float:
+    """Return the current, bent above the knee: i - (1 - r) ramp(i - i_k), a ramp that is 0 at no current. [A]"""
+    if n.saturation_slope == 1.0:
+        return current
+    return current - (1.0 - n.saturation_slope) * (ramp(n, current) - ramp(n, 0.0))
+
+
+def ramp(n: SimpleNamespace, current: float) -> float:
+    """Return how far a current is above the knee, 0 below it, with a rounded corner. [A]"""
+    above = current - n.saturation_knee
+    return 0.5 * (above + sqrt(above**2 + n.saturation_rounding**2))
+
+
+def gap(n: SimpleNamespace, current: float, time: float) -> float:
+    """Return the gap at an effective current, eq. (31), and at a time since the start, as it drifts. [m]"""
+    drift = -n.gap_drift_rate * n.gap_drift_time * expm1(-time / n.gap_drift_time)
+    return n.gap_offset - n.gap_gain * sqrt(max(current, 0.0)) + drift

@@ -1,0 +1,78 @@
+"""Electromagnet, smooth: current to gap; the same closed forms as the exact stage, over a whole part of a period."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import casadi as ca
+
+from valvemodel.equations.symbolic import coil_gap
+from valvemodel.smooth.rounding import Expression, magnitude, passed
+
+SHORTEST_TIME = 1e-12
+"""A time constant is not shorter, so that its neutral value 0 has a derivative. [s]"""
+
+LEAST_CURRENT = 1e-9
+"""Keeps the slope of the root, and the loop's quotients at half-width 0, finite. [A]"""
+
+CORNER = 1e-2
+"""The loop's corner is rounded by this share of the smoothing share: a wider one would forget slow changes."""
+
+
+def states_of(effects: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the states that the effects need."""
+    lag = ("flux_current",) if "coil_lag" in effects else ()
+    return lag + (("hysteresis_input", "hysteresis") if "magnetic_hysteresis" in effects else ())
+
+
+def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
+    """Put the stage at rest under a current, in the middle of its hysteresis loop, and return that current. [A]"""
+    effective = saturate(p, current) if "magnetic_saturation" in p.effects else current
+    if "coil_lag" in p.effects:
+        x.flux_current = current
+    if "magnetic_hysteresis" in p.effects:
+        x.hysteresis_input, x.hysteresis = effective, 0.0
+    return effective
+
+
+def advance_flux(p: Any, x: Any, current: Expression, duration: Expression) -> Expression:
+    """Hold the current for a duration and return the mean current that the flux stands for. [A]"""
+    if "coil_lag" in p.effects:
+        rate = duration / ca.fmax(p.coil_time_constant, SHORTEST_TIME)
+        departure = x.flux_current - current
+        x.flux_current = current + departure * ca.exp(-rate)
+        current = current + departure * passed(rate)
+    if "magnetic_saturation" in p.effects:
+        current = saturate(p, current)
+    if "magnetic_hysteresis" in p.effects:
+        current = magnetise(p, x, current)
+    return current
+
+
+def saturate(p: Any, current: Expression) -> Expression:
+    """Bend the current above the knee. [A]"""
+    above, below = current - p.saturation_knee, -p.saturation_knee
+    width = p.saturation_rounding
+    ramp = 0.5 * (above + ca.sqrt(above * above + width * width))
+    ramp -= 0.5 * (below + ca.sqrt(below * below + width * width))
+    return current - (1.0 - p.saturation_slope) * ramp
+
+
+def magnetise(p: Any, x: Any, current: Expression) -> Expression:
+    """Follow the hysteresis loop to a current and return the current that the flux stands for. [A]"""
+    reach = 2.0 * ca.fmax(p.hysteresis_half_width, LEAST_CURRENT) * (1.0 + p.hysteresis_roundness)
+    change = (current - x.hysteresis_input) / reach
+    corner = CORNER * p.smoothing_share
+    left = ca.exp(-magnitude(change, corner))
+    x.hysteresis = x.hysteresis * left + ca.tanh(change / corner) * (1.0 - left)
+    x.hysteresis_input = current
+    return current - p.hysteresis_half_width * x.hysteresis
+
+
+def gap_of_current(p: Any, current: Expression, time: Expression) -> Expression:
+    """Return the gap at an effective current, drift included. [m]"""
+    gap = coil_gap(ca.fmax(current, LEAST_CURRENT), p.gap_offset, p.gap_gain)
+    if "gap_drift" in p.effects:
+        gap -= p.gap_drift_rate * p.gap_drift_time * ca.expm1(-time / p.gap_drift_time)
+    return gap

@@ -1,0 +1,81 @@
+"""Sensor, smooth: stem position to reading. A quantised reading has no smooth form: it is read unrounded."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import casadi as ca
+
+from valvemodel.smooth.electromagnet import SHORTEST_TIME
+from valvemodel.smooth.rounding import Expression, dead_zone, passed
+from valvemodel.stages.sensor import SKEW
+
+BOW_STEPS = 4
+"""Newton's steps from a reading to the position that a bowed linkage indicates so."""
+
+
+def states_of(effects: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the states that the effects need."""
+    play = ("linkage",) if "linkage_backlash" in effects else ()
+    return play + (("lagged_reading",) if "sensor_lag" in effects else ())
+
+
+def bow(p: Any, position: Expression) -> Expression:
+    """Return the indicated for a true position; the identity for a straight linkage. [m]"""
+    if "linkage_nonlinearity" not in p.effects:
+        return position
+    share = position / p.rated_travel
+    return position + 4.0 * share * (1.0 - share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+
+
+def unbow(p: Any, reading: Expression) -> Expression:
+    """Return the position that a bowed linkage indicates so. [m]"""
+    if "linkage_nonlinearity" not in p.effects:
+        return reading
+    position = reading
+    for _ in range(BOW_STEPS):
+        share = position / p.rated_travel
+        bowed = (1.0 - 2.0 * share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+        slope = 1.0 + 4.0 / p.rated_travel * (bowed - 2.0 * SKEW * p.linkage_skew * share * (1.0 - share))
+        position += (reading - bow(p, position)) / slope
+    return position
+
+
+def rest_sensor(p: Any, x: Any) -> None:
+    """Put the sensor at rest on the stem, and the stem where in the play it starts."""
+    if "sensor_lag" in p.effects:
+        x.lagged_reading = bow(p, x.position)
+    if "linkage_backlash" in p.effects:
+        x.linkage = x.position
+        x.position -= p.backlash_start * p.backlash_half_width
+
+
+def follow_stem(p: Any, x: Any, before: Expression, duration: Expression) -> None:
+    """Follow the stem to where it is now, from the indicated position before; a lag takes the way as even."""
+    if "linkage_backlash" in p.effects:
+        behind = x.position - x.linkage
+        x.linkage += dead_zone(behind, p.backlash_half_width, p.backlash_half_width, p.smoothing_length)
+    if "sensor_lag" in p.effects:
+        after = bow(p, indicated(p, x))
+        rate = duration / ca.fmax(p.sensor_time_constant, SHORTEST_TIME)
+        left = ca.exp(-rate)
+        x.lagged_reading = after - (after - before) * passed(rate) - (before - x.lagged_reading) * left
+
+
+def indicated(p: Any, x: Any) -> Expression:
+    """Return the position of the linkage. [m]"""
+    return x.linkage if "linkage_backlash" in p.effects else x.position
+
+
+def read_sensor(p: Any, x: Any, time: Expression) -> Expression:
+    """Return the reading. [m]"""
+    reading = x.lagged_reading if "sensor_lag" in p.effects else bow(p, indicated(p, x))
+    return reading + sensor_drift(p, time)
+
+
+def sensor_drift(p: Any, time: Expression) -> Expression:
+    """Return how far the zero has crept. [m]"""
+    if "sensor_drift" not in p.effects:
+        return 0.0
+    return -p.sensor_drift_rate * p.sensor_drift_time * ca.expm1(-time / p.sensor_drift_time)

@@ -1,0 +1,174 @@
+"""Stem, smooth: the exact step of a stem under a held pressure, its dead zone rounded.
+
+A part of a period is a slip to its stop and, from there, a stay or a breakaway; each is one closed form in which the
+friction is the force that would stop the stem at the end, held to the Coulomb friction by the rounded dead zone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from typing import Any
+
+import casadi as ca
+
+from valvemodel.equations.symbolic import driving_force
+from valvemodel.smooth.presliding import advance_presliding
+from valvemodel.smooth.rounding import Expression, dead_zone, gate, ramp
+from valvemodel.smooth.slip import stop_time, transition
+from valvemodel.stages.slip import STOP_SPEED
+
+SHORTEST_SHARE = 1e-6
+"""Neither slip nor stay is shorter than this share of a part, so that both have a derivative."""
+
+SPEED_PER_WIDTH = 1e-5
+"""The speed at which a slip has ended is rounded over this, times the smoothing width. [m/s/N]"""
+
+
+def states_of(effects: Collection[str]) -> tuple[str, ...]:
+    """Return the names of the states that the effects need."""
+    return ("position", "velocity", "bristle") if "presliding" in effects else ("position", "velocity")
+
+
+def put_stem(p: Any, x: Any, position: Expression, time: Expression) -> None:
+    """Put the stem at rest at a position; bristles carry the thrust as far as they can."""
+    x.position, x.velocity = position, 0.0
+    if "presliding" in p.effects:
+        limit = sliding_friction(p, 0.0, position, x.pressure, time)
+        x.bristle = ca.fmin(ca.fmax(thrust(p, position, x.pressure, time), -limit), limit)
+    stop_at_limits(p, x)
+
+
+def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duration: Expression) -> None:
+    """Hold the pressure and move the stem through a part of a period; forces that vary are held at a time."""
+    if "presliding" in p.effects:
+        net = thrust(p, x.position, pressure, time)
+        side = ca.sign(net - x.bristle)
+        limit = sliding_friction(p, side, x.position, pressure, time)
+        motion = transition(p.stem_mass, damping(p, side), stiffness(p, side, x.position, pressure, time), duration)
+        advance_presliding(p, x, net, limit, motion)
+    else:
+        slips = time_in_slip(p, x, pressure, time, duration)
+        move(p, x, pressure, time, slips, ca.sign(x.velocity), breaks_away=False)
+        resting_side = ca.sign(thrust(p, x.position, pressure, time))
+        move(p, x, pressure, time, duration - slips, resting_side, breaks_away=True)
+    stop_at_limits(p, x)
+
+
+def time_in_slip(p: Any, x: Any, pressure: Expression, time: Expression, duration: Expression) -> Expression:
+    """Return for how long the stem goes on slipping before it stops. [s]"""
+    side, speed = ca.sign(x.velocity), ca.fabs(x.velocity)
+    net = side * thrust(p, x.position, pressure, time) - friction(p, x, side, speed, pressure, time)
+    slope = stiffness(p, side, x.position, pressure, time)
+    slips = ca.fmin(stop_time(p.stem_mass, damping(p, side), slope, speed, net), duration)
+    if "static_friction" in p.effects:
+        stop_speed = STOP_SPEED + SPEED_PER_WIDTH * p.smoothing_width
+        jump = (p.static_friction_ratio - 1.0) * p.coulomb_friction
+        # A creep counts as a stay only where a stay is held by more than a slip.
+        matters = jump / (jump + p.smoothing_width)
+        slips *= 1.0 - matters * (1.0 - gate(speed - stop_speed, stop_speed))
+    return ca.fmin(ca.fmax(slips, SHORTEST_SHARE * duration), (1.0 - SHORTEST_SHARE) * duration)
+
+
+def move(
+    p: Any, x: Any, pressure: Expression, time: Expression, duration: Expression, side: Expression, *, breaks_away: bool
+) -> None:
+    """Move the stem through a duration in which it does not reverse."""
+    slope = stiffness(p, side, x.position, pressure, time)
+    motion = transition(p.stem_mass, damping(p, side), slope, duration)
+    net = thrust(p, x.position, pressure, time)
+    stopping = motion.velocity_by_velocity * x.velocity / motion.velocity_by_force + net
+    rising, falling = (sliding_friction(p, each, x.position, pressure, time) for each in (1.0, -1.0))
+    excess = dead_zone(stopping, rising, falling, p.smoothing_width)
+    if "stribeck" in p.effects:
+        factor = weakened(p, motion.velocity_by_force * excess)
+        excess = dead_zone(stopping, rising * factor, falling * factor, p.smoothing_width)
+    if breaks_away and "static_friction" in p.effects:
+        ratio = p.static_friction_ratio
+        armed = dead_zone(stopping, ratio * rising, ratio * falling, p.smoothing_width)
+        # Full once beyond the breakaway force by the width; the same as `excess` where F_s is F_c.
+        jump = (ratio - 1.0) * 0.5 * (rising + falling)
+        opened = ca.fabs(armed) * (1.0 + jump / p.smoothing_width)
+        excess = ca.sign(excess) * ca.fmin(ca.fabs(excess), opened)
+    way = motion.way_by_velocity * x.velocity + motion.way_by_force * (net - stopping + excess)
+    x.position += way
+    x.velocity = motion.velocity_by_force * excess
+
+
+def friction(p: Any, x: Any, side: Expression, speed: Expression, pressure: Expression, time: Expression) -> Expression:
+    """Return the friction of a stem that slips to a side at a speed, all but its viscous part. [N]"""
+    level = sliding_friction(p, side, x.position, pressure, time)
+    return level * weakened(p, speed) if "stribeck" in p.effects else level
+
+
+def weakened(p: Any, velocity: Expression) -> Expression:
+    """Return the friction at a velocity over Coulomb's."""
+    speed = ca.sqrt(velocity * velocity + STOP_SPEED * STOP_SPEED) / p.stribeck_velocity
+    return 1.0 + (p.stribeck_ratio - 1.0) * ca.exp(-(speed**p.stribeck_shape))
+
+
+def thrust(p: Any, position: Expression, pressure: Expression, time: Expression) -> Expression:
+    """Return the force that drives the stem, all but friction. [N]"""
+    force = driving_force(pressure, position, p.diaphragm_area, p.spring_rate, p.spring_preload)
+    if "area_variation" in p.effects:
+        force += p.diaphragm_area * pressure * position * (p.area_slope + p.area_curvature * position)
+    if "spring_hardening" in p.effects:
+        force -= p.spring_rate * p.spring_hardening * position**3
+    if "load_force" in p.effects:
+        angle = 2.0 * math.pi * time / p.load_period
+        force += p.load_sine * ca.sin(angle) + p.load_cosine * ca.cos(angle)
+    return force
+
+
+def stiffness(p: Any, side: Expression, position: Expression, pressure: Expression, time: Expression) -> Expression:
+    """Return by how much the net force falls with the position. [N/m]"""
+    slope = p.spring_rate
+    if "spring_hardening" in p.effects:
+        slope += 3.0 * p.spring_rate * p.spring_hardening * position * position
+    if "area_variation" in p.effects:
+        slope -= p.diaphragm_area * pressure * (p.area_slope + 2.0 * p.area_curvature * position)
+    if "position_dependent_friction" in p.effects:
+        distance = (position - p.tight_spot_position) / p.tight_spot_width
+        bump = p.tight_spot_excess * ca.exp(-distance * distance)
+        level = sliding_friction(p, side, position, pressure, time)
+        slope = ca.fmax(slope - 2.0 * distance / p.tight_spot_width * side * level * bump / (1.0 + bump), 0.0)
+    return slope
+
+
+def damping(p: Any, side: Expression) -> Expression:
+    """Return the viscous friction to a side. [N s/m]"""
+    if "asymmetric_viscous_friction" not in p.effects:
+        return p.viscous_friction
+    return p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
+
+
+def sliding_friction(
+    p: Any, side: Expression, position: Expression, pressure: Expression, time: Expression
+) -> Expression:
+    """Return the Coulomb friction of a stem that moves to a side. [N]"""
+    level = p.coulomb_friction
+    if "asymmetric_friction" in p.effects:
+        level *= 1.0 + p.friction_asymmetry * side
+    if "friction_drift" in p.effects:
+        grown = -p.friction_drift_rate * p.friction_drift_time * ca.expm1(-time / p.friction_drift_time)
+        level *= ca.fmax(1.0 + grown, 0.0)
+    if "position_dependent_friction" in p.effects:
+        distance = (position - p.tight_spot_position) / p.tight_spot_width
+        level *= 1.0 + p.tight_spot_excess * ca.exp(-distance * distance)
+    if "pressure_dependent_friction" in p.effects:
+        positive = ca.fmax(pressure, 1e-9 * p.supply_pressure)
+        share = (positive / p.supply_pressure) ** (p.friction_pressure_order - 1.0)
+        level = ca.fmax(level + p.friction_area * positive * share, 0.0)
+    return level
+
+
+def stop_at_limits(p: Any, x: Any) -> None:
+    """Hold the stem within its travel, the stops rounded over the length that the spring gives to the width."""
+    for name in p.highest:
+        room = getattr(p, name) - x.position
+        x.position = getattr(p, name) - ramp(room, p.smoothing_length)
+        x.velocity *= gate(room, p.smoothing_length)
+    for name in p.lowest:
+        room = x.position - getattr(p, name)
+        x.position = getattr(p, name) + ramp(room, p.smoothing_length)
+        x.velocity *= gate(room, p.smoothing_length)
