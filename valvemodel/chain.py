@@ -8,7 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.parameters import MOST_NOTED
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
-from valvemodel.stages.motion import advance_stem, glide, plan_stem
+from valvemodel.stages.motion import advance_stem, glide, glide_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
 from valvemodel.stages.part import hold_pressure, lay_part
 from valvemodel.stages.rest import come_to_rest
@@ -169,7 +169,10 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
             move_stem(p, state, memory, state.pressure, now, left, tolerance)
             return
         length = lay_part(p, state, memory, drive, now, left, tolerance)
-        move_by_events(p, state, memory, now, length, tolerance)
+        if state.plan_steady == 1.0 and glide_part(p, state, memory):
+            follow_steadily(p, state)
+        else:
+            move_by_events(p, state, memory, now, length, tolerance)
         used = duration if left - length <= ROUNDING else used + length
 
 

@@ -16,8 +16,8 @@ from valvemodel.parameters import EVENT, MEMORY, SAMPLE, STATE
 SUBSTEP = 1e-3
 """Longest part of a period while the pressure moves under a held current. [s]"""
 
-TOLERANCE = 1e-2
-"""Force left over by one linearised slip step. [N]"""
+TOLERANCE = 1e-9
+"""What a run may be off in position. [m]"""
 
 MODE_NAMES = {-1.0: "falling", 0.0: "stuck", 1.0: "rising"}
 

@@ -6,6 +6,7 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.part import pressure_at
+from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
 from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
 from valvemodel.stages.stem import (
@@ -23,6 +24,7 @@ from valvemodel.stages.stem import (
     thrust,
     varies_in_time,
 )
+from valvemodel.stages.step import lay_motion
 from valvemodel.stages.travel import TOUCHING, advance_travel
 
 HOLD = 1e-12
@@ -111,6 +113,43 @@ def remember_glide(p, state, side, duration):
     if discriminant > 0.0 and math.sqrt(discriminant) * duration >= math.pi:
         # More than half a swing: no glide is quiet.
         state.quiet_vv = state.quiet_vf = math.nan
+
+
+@compiled
+def glide_part(p, state, memory):
+    """Move a steady stem through a part of moving pressure if nothing happens in it, and return whether that was so.
+
+    Between the nodes speed and pressure go beyond their values there by a part of their bends or of their range only.
+    """
+    count, side, speeds = int(memory.part_count), state.mode, memory.speeds
+    hold = p.spring_rate * state.position + p.spring_preload
+    if side == STUCK:
+        lowest = highest = memory.pressures[0]
+        for node in range(1, count + 1):
+            lowest, highest = min(lowest, memory.pressures[node]), max(highest, memory.pressures[node])
+        slack = 0.5 * (highest - lowest)
+        can_rise = p.diaphragm_area * (highest + slack) - hold > state.plan_rising_friction * state.plan_ratio
+        can_fall = p.diaphragm_area * (lowest - slack) - hold < -state.plan_falling_friction * state.plan_ratio
+        return not (can_rise or can_fall)
+    mass, speed = p.stem_mass, side * state.velocity
+    damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
+    remember_response(memory.responses[0], damping, p.spring_rate / mass, memory.part_spacing, count)
+    friction = state.plan_rising_friction if side > 0.0 else state.plan_falling_friction
+    net = side * (p.diaphragm_area * memory.part_powers[0] - hold) - friction
+    memory.step_spacing, memory.step_speed, memory.step_start = memory.part_spacing, speed, net / mass - damping * speed
+    for power in range(1, count + 1):
+        memory.pull_powers[power] = side * p.diaphragm_area / mass * memory.part_powers[power]
+    speeds[0] = speed
+    lay_motion(memory, count)
+    lowest, bend = min(speed, speeds[count]), 0.0
+    for node in range(1, count):
+        lowest = min(lowest, speeds[node])
+        bend = max(bend, speeds[node - 1] - 2.0 * speeds[node] + speeds[node + 1])
+    position = state.position + side * memory.ways[count]
+    is_quiet = lowest - 0.5 * bend >= STOP_SPEED and state.plan_lowest <= position <= state.plan_highest
+    if is_quiet:
+        state.position, state.velocity = position, side * speeds[count]
+    return is_quiet
 
 
 @compiled

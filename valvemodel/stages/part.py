@@ -56,15 +56,22 @@ def yield_within(p, duration):
     return 1.0 / (p.spring_rate + p.viscous_friction / duration + 2.0 * p.stem_mass / (duration * duration))
 
 
+@inlined
+def near_pressure(p, tolerance):
+    """Return by how much a pressure may be off without being seen at the stem. [Pa]"""
+    return REST_SHARE * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
+
+
 @compiled
 def lay_part(p, state, memory, drive, time, left, tolerance):
     """Lay the pressure over the longest part that a polynomial carries, at most what is left; return its length. [s]"""
     count = COARSE_NODES if is_coarse(tolerance) else NODES
+    slack = near_pressure(p, tolerance)
     length = left
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
     while True:
-        end = lay_nodes(p, state, memory, drive, time, length / count, count)
+        end = lay_nodes(p, state, memory, drive, time, length / count, count, slack)
         if end < count and length > SHORTEST_PART:
             length = max(length * end / count, SHORTEST_PART)
             continue
@@ -86,7 +93,7 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
 
 
 @compiled
-def lay_nodes(p, state, memory, drive, time, spacing, count):
+def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
     """Lay the pressure at the nodes, stage by stage; return where a stage changes its law, in spacings."""
     lay_currents(p, state, memory, drive, spacing, count)
     is_still = p.coil_time_constant == 0.0 and p.gap_drift_rate == 0.0
@@ -105,7 +112,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count):
         memory.end_share, memory.end_supply = memory.shares[count], memory.values[count]
     memory.end_supplied = memory.pressures[count]
     if p.chamber_filling_time > 0.0:
-        lay_chamber(p, state, memory, spacing, count)
+        lay_chamber(p, state, memory, spacing, count, slack)
     memory.end_chamber = memory.pressures[count]
     if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
         end = min(end, lay_amplifier(p, state, memory, spacing, count))
@@ -120,7 +127,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count):
 def end_part(p, state, memory, drive, length, tolerance):
     """Take the stages to the end of the part that was laid; put them at rest where they have come near it."""
     count = int(memory.part_count)
-    near = REST_SHARE * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
+    near = near_pressure(p, tolerance)
     accept_currents(state, memory)
     is_near = abs(state.flux_current - drive) * p.supply_pressure <= near * CURRENT_SPAN and p.gap_drift_rate == 0.0
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
