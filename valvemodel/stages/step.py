@@ -128,12 +128,12 @@ def lay_pulls(p, state, memory, count):
 def lay_motion(memory, count):
     """Write ways and speeds at the nodes under the pulls, exact for their polynomial."""
     response, powers = memory.responses[0], memory.pull_powers
-    speed, start = memory.step_speed, memory.step_start
+    speed, start, per_spacing = memory.step_speed, memory.step_start, 1.0 / memory.step_spacing
     for node in range(1, count + 1):
         impulse, way = response.impulse[node], response.way[node, 0]
         end = (impulse + response.damping * way) * speed + way * start
         rate = (1.0 - response.stiffness * way) * speed + impulse * start
         for power in range(1, count + 1):
             end += response.way[node, power] * powers[power]
-            rate += power / memory.step_spacing * response.way[node, power - 1] * powers[power]
+            rate += power * per_spacing * response.way[node, power - 1] * powers[power]
         memory.ways[node], memory.speeds[node] = end, rate
