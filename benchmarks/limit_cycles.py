@@ -112,7 +112,8 @@ def draw(results: list[dict[str, Any]], valve: str, folder: Path) -> None:
                 place.set_title(f"{title}\n{family.title}", fontsize=9)
         figure.suptitle(
             f"Limit cycles of `{valve}` at {1e3 * CURRENT:g} mA: errors against the exact simulation\n"
-            "missed: only the simulation cycles; false: only the prediction does; none: neither"
+            "missed: only the simulation settles into a cycle; false: only the prediction; none: neither, "
+            "the stem wanders or rests"
         )
 
 

@@ -37,11 +37,14 @@ def rows() -> Iterator[tuple[Any, ...]]:
             ("inflow_slope", inflow_slope()),
         ),
     )  # fmt: skip
+    relative_ratio = ((RELATIVE.name, (symbol("r_p") - symbol("b_c")) / (1 - symbol("b_c"))),)
+    yield (
+        "subsonic_share", "nozzle", "r_p b_c", subsonic_share(),
+        "Flow through a hole over its choked flow, above the critical ratio.", "choked_flow", "1", relative_ratio,
+    )  # fmt: skip
     yield (
         "subsonic_share_by_ratio", "nozzle", "r_p b_c", sp.diff(subsonic_share(), RELATIVE) / (1 - symbol("b_c")),
-        "Slope of the flow through a hole over its choked flow, above the critical ratio.",
-        "choked_flow, differentiated", "1",
-        ((RELATIVE.name, (symbol("r_p") - symbol("b_c")) / (1 - symbol("b_c"))),),
+        "Slope of that flow in the ratio.", "choked_flow, differentiated", "1", relative_ratio,
     )  # fmt: skip
     yield (
         "settled_droop_by_share", "nozzle", "s_p c_d P_1", sp.diff(settled_droop(), symbol("s_p")),

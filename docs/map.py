@@ -7,6 +7,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("derivations", "valvemodel", "identification", "diagnosis", "benchmarks")
+OTHERS = {
+    "notebooks/": "How do I explain it? Notebooks that the tests run, through the public doors only.",
+    "docs/": "Where do I read on? The documentation site that `make docs` builds.",
+    "tests/": "How do we know?",
+}
+"""Folders that are no packages."""
+
 OPENING, CLOSING = "<!-- map: python docs/map.py -->", "<!-- end of map -->"
 WIDTH = 22
 
@@ -31,6 +38,7 @@ def lines_of(package: Path, depth: int) -> list[str]:
 def drawn() -> str:
     """Return the block as it stands in README.md."""
     lines = [line for room in ROOMS for line in lines_of(ROOT / room, 0)]
+    lines += [f"{name:{WIDTH}s}{what}" for name, what in OTHERS.items()]
     return "\n".join([OPENING, "```text", *lines, "```", CLOSING])
 
 

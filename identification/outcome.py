@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from identification.adequacy import undetermined_by
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
@@ -62,6 +61,8 @@ class Outcome:
         Fitted reading at the start of each record. [m]
     open : dict of str
         By parameter why the records do not determine it.
+    loop : FittedShape or None
+        Width, slope and height, where the records are settled loops.
     determined : Account
         What the records determine, before and after the fit.
     checks : tuple of Check
@@ -70,8 +71,6 @@ class Outcome:
         How it was searched: "exact" or "smooth".
     smoothing : tuple of Smoothing
         What smoothing did to the fit, by width; empty on the exact route.
-    loop : FittedShape or None
-        Width, slope and height, where the records are settled loops.
     """
 
     records: tuple[str, ...]
@@ -137,10 +136,10 @@ def fit_records(
     model: Model,
     *,
     effects: Sequence[str] = (),
+    is_ramped: bool = False,
     has_profile: bool = False,
     repetitions: int = 0,
     route: str = "exact",
-    is_ramped: bool = False,
     progress: Progress = lambda what, share: None,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
@@ -154,6 +153,8 @@ def fit_records(
         The valve as given: where the search begins, and what gives the numbers that are not fitted.
     effects : sequence of str
         Keys of effects to switch on and fit, in this order.
+    is_ramped : bool
+        Whether the current of settled loops ramps slowly from value to value, instead of stepping.
     has_profile : bool
         Whether to follow the profile likelihood of each parameter to the ends of its interval.
     repetitions : int
@@ -161,8 +162,6 @@ def fit_records(
     route : str
         "exact": on the exact simulator; "smooth": on smooth functions with exact derivatives, then once more on the
         exact simulator, which says what smoothing did. Records of the stem alone have one route of their own.
-    is_ramped : bool
-        Whether the current of settled loops ramps slowly from value to value, instead of stepping.
     progress : callable
         Called with what is being done and a share of it from 0 to 1.
 
@@ -195,11 +194,7 @@ def fit_records(
     samples = None
     if has_profile and is_jagged(whole):
         whole, samples = sampled(whole, progress)
-    lacking = undetermined_by(experiments)
-    found = tuple(each.left_open(lacking[each.name]) if each.name in lacking else each for each in estimates(whole))
-    loop = shape_of_fit(whole)
-    if loop is not None:
-        notes.append(SAYS_NOTHING_OF_TIME)
+    found = tuple(estimates(whole))
     account = account_of(
         whole,
         found,
@@ -209,6 +204,9 @@ def fit_records(
         repetitions=repetitions,
         progress=progress,
     )
+    loop = shape_of_fit(whole)
+    if loop is not None:
+        notes.append(SAYS_NOTHING_OF_TIME)
     return Outcome(
         records=tuple(record.name for record in records),
         effects=tuple(effects),
@@ -229,6 +227,23 @@ def fit_records(
         smoothing=smoothing,
         loop=loop,
     )
+
+
+def _check_ramped(records: Sequence[Record], model: Model, effects: Sequence[str], *, is_ramped: bool) -> None:
+    if not is_ramped:
+        return
+    if records[0].kind != "loop":
+        raise InputError(
+            "only a settled loop is stepped or ramped",
+            f"{records[0].name} has a time column",
+            "leave --loop out: the record shows how its current went",
+        )
+    if not {*model.effects, *effects} <= SETTLING_EFFECTS:
+        raise InputError(
+            f"a ramped loop is fitted with no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
+            f"got {', '.join(effects)}",
+            "fit it as stepped, or leave the others out",
+        )
 
 
 def _fit_exactly(
@@ -258,23 +273,6 @@ def _fit_smoothly(
         progress=lambda what, share: progress(f"all data, {what}", 0.5 + 0.5 * share),
     )
     return part.fit, whole.fit, whole.smoothing
-
-
-def _check_ramped(records: Sequence[Record], model: Model, effects: Sequence[str], *, is_ramped: bool) -> None:
-    if not is_ramped:
-        return
-    if records[0].kind != "loop":
-        raise InputError(
-            "only a settled loop is stepped or ramped",
-            f"{records[0].name} has a time column",
-            "leave --loop out: the record shows how its current went",
-        )
-    if not {*model.effects, *effects} <= SETTLING_EFFECTS:
-        raise InputError(
-            f"a ramped loop is fitted with no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
-            f"got {', '.join(effects)}",
-            "fit it as stepped, or leave the others out",
-        )
 
 
 def _check_effects(effects: Sequence[str]) -> None:

@@ -91,8 +91,8 @@ class Problem:
         return simulate_rows(
             experiment,
             self.rows(points, number),
-            substep=SEARCH_SUBSTEP,
-            tolerance=SEARCH_TOLERANCE,
+            substep=self.substep,
+            tolerance=self.tolerance,
             anchors=experiment.anchors if self.is_anchored else runs.FREE,
             with_pressure=experiment.pressure is not None,
             in_closed_form=self.settles,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from identification.experiment import score_rows
-from identification.problem import LOST, SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
+from identification.problem import LOST, Problem
 from valvemodel import runs
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             experiment,
             used,
             rows,
-            substep=SEARCH_SUBSTEP,
-            tolerance=SEARCH_TOLERANCE,
+            substep=problem.substep,
+            tolerance=problem.tolerance,
             anchors=anchors,
             in_closed_form=problem.settles,
         )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
+from identification.adequacy import undetermined_by
 from identification.experiment import Experiment
 from identification.fit import Fit
 from valvemodel.effects import effect_of_key
@@ -41,10 +42,6 @@ class Estimate:
     interval: tuple[float, float] | None = None
     reason: str | None = None
 
-    def left_open(self, reason: str) -> Estimate:
-        """Return it without any uncertainty, for a reason."""
-        return replace(self, std=None, interval=None, reason=reason)
-
 
 def estimates(fit: Fit) -> list[Estimate]:
     """Return the fitted parameters of valve and effects, start positions left out.
@@ -60,6 +57,7 @@ def estimates(fit: Fit) -> list[Estimate]:
     quantile = interval_quantile(len(np.unique(block[block >= 0])))
     with_prior = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)))
     is_jagged = any(effect_of_key(key).is_jagged for key in fit.model.effects)
+    lacking = undetermined_by(fit.problem.experiments)
     found = []
     for unknown, x, deviation, left_open in zip(fit.unknowns, fit.found.point, spread, with_prior, strict=True):
         if unknown.experiment >= 0:
@@ -70,6 +68,7 @@ def estimates(fit: Fit) -> list[Estimate]:
         widest = UNDETERMINED_SHARE * unknown.prior_spread
         is_determined = left_open < widest and (deviation < widest or not unknown.is_logarithmic)
         reason = AT_A_BOUND if is_at_bound else HARDLY_SEEN if not is_determined else MANY_MINIMA if is_jagged else None
+        reason = lacking.get(unknown.name, reason)
         std = float(deviation * unknown.slope(value)) if reason is None else None
         ends = unknown.value(np.clip(x + quantile * deviation * np.array([-1.0, 1.0]), low, high))
         interval = None if std is None else (float(ends[0]), float(ends[1]))

@@ -1,5 +1,6 @@
 """What the house says of itself is true: README, notebooks, versions, and nothing of one machine."""
 
+import importlib.util
 import json
 import re
 import subprocess
@@ -116,3 +117,14 @@ def test_help_starts_without_the_heavy_libraries():
     loaded = set(json.loads(done.stderr))
     for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "rich"):
         assert heavy not in loaded, heavy
+
+
+def test_map_of_the_repository_is_what_the_packages_say():
+    spec = importlib.util.spec_from_file_location("map_of_repository", ROOT / "docs" / "map.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.drawn() in text_of("README.md"), "run `python docs/map.py`"
+
+
+def test_every_command_has_its_page():
+    assert {path.stem for path in (ROOT / "docs" / "how_to").glob("*.md")} == set(COMMANDS)

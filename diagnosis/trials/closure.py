@@ -16,6 +16,9 @@ from valvemodel.records import Record
 WORTH_CLOSING = 1.5
 """Gap of the refitted base over the noise from which a share of it means something."""
 
+IMITATED = 1.02
+"""Gap of the refitted base over the noise, on an unseen record, up to which it imitates the effects of a valve."""
+
 
 def closure_on_unseen(answer: Path, plant: Plant, seed: int, *, is_anchored: bool) -> dict[str, float | None]:
     """Compare the refitted base and the found model with a record of the valve that no one has seen.

@@ -115,7 +115,7 @@ def seconds_picture(name: str, seconds: Sequence[float]) -> str:
         axes.step(np.append(ordered[0], ordered), 100 * np.append(0.0, part), where="post", color=CAUSE)
         axes.set_xlim(0, None)
         axes.set_ylim(0, 104)
-        axes.set_xlabel("seconds on one core, at most")
+        axes.set_xlabel("seconds of computing on one core, at most")
         axes.set_ylabel("share of the plants [%]")
 
     return picture(name, draw, _SQUARE)

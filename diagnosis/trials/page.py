@@ -77,8 +77,9 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
                 "Points of the frequency found over the probability said, with intervals, beside the diagonal.",
             )
         )
-    shares = [share for each in content["results"] if (share := each["closure"].get("closed")) is not None]
-    seconds = [each["seconds"] for each in content["results"] if each["seconds"] is not None]
+    known = [each for each in content["results"] if each["kind"] in ("single", "pair")]
+    shares = [share for each in known if (share := each["closure"].get("closed")) is not None]
+    seconds = [each["computing_seconds"] for each in content["results"] if each["computing_seconds"] is not None]
     if shares:
         pictures.append(
             Picture(
@@ -91,8 +92,8 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
         pictures.append(
             Picture(
                 Markup(figures.seconds_picture("seconds", seconds)),
-                "Seconds a record",
-                "Share of the plants over the seconds that the diagnosis took on one core.",
+                "Seconds of computing a record",
+                "Share of the plants over the seconds that the diagnosis computed on one core.",
             )
         )
     return pictures

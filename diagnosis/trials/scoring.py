@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from diagnosis.trials.answering import read_answer
-from diagnosis.trials.closure import closure_on_unseen
+from diagnosis.trials.closure import IMITATED, closure_on_unseen
 from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of
 from diagnosis.trials.plan import Task
 from diagnosis.trials.sealing import Places, open_truth
@@ -55,6 +55,12 @@ class Result:
     cause: float | None = None
     seconds: float | None = None
     computing_seconds: float | None = None
+
+    @property
+    def is_imitated(self) -> bool:
+        """Whether the valve has effects that a refitted base imitates to the noise, so that none can be seen."""
+        base, floor = self.closure.get("base"), self.closure.get("floor")
+        return bool(self.truth) and base is not None and floor is not None and base < IMITATED * floor
 
     def as_json(self) -> dict[str, Any]:
         """Return the result as blindtest.json has it."""

@@ -71,6 +71,7 @@ def counts_of(results: Sequence[Result]) -> dict[str, Any]:
         "right": rate_of(each.mark.is_right for each in results),
         "first_choice": rate_of(each.mark.outcome == "right" for each in results),
         "stage": rate_of(bool(each.mark.is_stage_right) for each in results if each.truth),
+        "right_where_visible": rate_of(each.mark.is_right for each in results if not each.is_imitated),
         "false_alarm": rate_of(each.mark.outcome != "right" for each in results if not each.truth),
         "outcomes": {outcome: outcomes[outcome] for outcome in OUTCOMES if outcomes[outcome]},
     }

@@ -37,6 +37,8 @@ def rate_rows(content: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]
         title = KIND_TITLES[kind]
         beside = baseline.get(kind)
         yield title, _RIGHT[kind], rate_words(counts["right"]), rate_words(beside["right"]) if beside else ""
+        if counts["right_where_visible"]["of"] < counts["plants"]:
+            yield title, "… where a refitted base does not imitate it", rate_words(counts["right_where_visible"]), ""
         if kind in ("single", "pair"):
             yield title, "right as first choice", rate_words(counts["first_choice"]), ""
         if kind == "none":

@@ -1,5 +1,4 @@
-"""Identification of the stem alone by inverse dynamics: measured force and position, no pressure, no
-simulation."""
+"""Which numbers of the stem follow from its measured force and position alone, without a simulation?"""
 
 from identification.inverse_dynamics.diagnose import (
     Gap,

@@ -1,10 +1,12 @@
 """Marks follow the rule of each kind, whatever the diagnosis was."""
 
+from dataclasses import replace
+
 import pytest
 
 from diagnosis.trials.marking import mark
 from diagnosis.trials.scoring import Result
-from diagnosis.trials.summary import calibration_of, closure_of, rate_of
+from diagnosis.trials.summary import calibration_of, closure_of, counts_of, rate_of
 
 
 def said(verdict: str, causes: dict[str, float], rivals: tuple[str, ...] = (), *, stage: str | None = None) -> dict:
@@ -117,3 +119,13 @@ def test_closure_leaves_out_what_has_no_gap_to_close():
     assert closure["plants"] == 3
     assert closure["median"] == pytest.approx(0.9)
     assert closure["lowest_decile"] == pytest.approx(0.82)
+
+
+def test_plants_that_a_refitted_base_imitates_are_told_apart():
+    floor = 1e-4
+    hidden, seen = (replace(result_of(0.9, False), closure={"base": f * floor, "floor": floor}) for f in (1.01, 1.5))
+    assert hidden.is_imitated
+    assert not seen.is_imitated
+    counts = counts_of([hidden, seen, result_of(0.9, True)])
+    assert (counts["right"]["hits"], counts["right"]["of"]) == (1, 3)
+    assert (counts["right_where_visible"]["hits"], counts["right_where_visible"]["of"]) == (1, 2)

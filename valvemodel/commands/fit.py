@@ -30,19 +30,19 @@ Examples:
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
+    "--loop",
+    type=click.Choice(["stepped", "ramped"]),
+    default="stepped",
+    show_default=True,
+    help="How the current of a settled loop went from value to value.",
+)
+@click.option(
     "--route",
     type=click.Choice(["exact", "smooth"]),
     default="exact",
     show_default=True,
     help="Search on the exact simulator; or on smooth functions with exact derivatives and then on the exact one, "
     "which shows what smoothing did.",
-)
-@click.option(
-    "--loop",
-    type=click.Choice(["stepped", "ramped"]),
-    default="stepped",
-    show_default=True,
-    help="How the current of a settled loop went from value to value.",
 )
 @click.option(
     "--out",

@@ -46,6 +46,17 @@ def print_outcome(outcome: Outcome) -> None:
         click.echo(f"noise (rms)  {noise}, from the readings themselves")
 
 
+def _print_loop(loop: FittedShape) -> None:
+    """Print width, slope and height of a loop: in mA, mm/mA and mm."""
+    shape, std = loop.shape, loop.std
+    click.echo(
+        f"loop         {'ramped' if loop.is_ramped else 'stepped'}; at {1e3 * shape.position:.4g} mm: "
+        f"width {1e3 * shape.width:.4g} mA (std {1e3 * std['width']:.2g}), "
+        f"slope {shape.slope:.4g} mm/mA (std {std['slope']:.2g}), "
+        f"height {1e3 * shape.height:.4g} mm (std {1e3 * std['height']:.2g})"
+    )
+
+
 def _table(left: tuple[str, ...], right: tuple[str, ...], last: str) -> Table:
     from rich import box
     from rich.table import Table
@@ -126,14 +137,3 @@ def _smoothing(outcome: Outcome) -> Table:
             f"at most {100.0 * shares[farthest]:+.2g} %, {farthest}",
         )
     return table
-
-
-def _print_loop(loop: FittedShape) -> None:
-    """Print width, slope and height of a loop: in mA, mm/mA and mm."""
-    shape, std = loop.shape, loop.std
-    click.echo(
-        f"loop         {'ramped' if loop.is_ramped else 'stepped'}; at {1e3 * shape.position:.4g} mm: "
-        f"width {1e3 * shape.width:.4g} mA (std {1e3 * std['width']:.2g}), "
-        f"slope {shape.slope:.4g} mm/mA (std {std['slope']:.2g}), "
-        f"height {1e3 * shape.height:.4g} mm (std {1e3 * std['height']:.2g})"
-    )

@@ -14,8 +14,8 @@ import numpy as np
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.simulation import Trajectory, simulate
-from valvemodel.smooth.chain import SmoothChain, parts_for
-from valvemodel.smooth.steering import Steered, SteeringProgram
+from valvemodel.smooth.chain import SmoothChain, is_swinging, parts_for
+from valvemodel.smooth.steering import HASTE, LEISURE, Steered, SteeringProgram
 
 CURRENT_RANGE = (4e-3, 20e-3)
 """Of the converter, Table 1. [A]"""
@@ -31,9 +31,6 @@ WIDTH = 1.0
 
 DETOUR = (100.0, 10.0)
 """Widths through which a program goes that found no end at once. [N]"""
-
-FINENESS = 50
-"""The bisection of the least time ends at a period, or at this part of it. [1]"""
 
 HOPELESS = 1e-3
 """A miss beyond which no detour is tried. [m]"""
@@ -52,7 +49,7 @@ WATCH_TIME = 5.0
 MOST_PERIODS = 2000
 """A longer program than this takes minutes."""
 
-LEISURE = 2.0
+EASE = 2.0
 """A move of least travel may take so many times the least time, unless it is said."""
 
 Progress = Callable[[str, float], None]
@@ -163,7 +160,7 @@ def least_time(
     Returns
     -------
     Move
-        Of the fewest periods at which the program has a solution (bisection), run on the exact valve.
+        Of the fewest periods in which the program finds a way, run on the exact valve.
 
     Raises
     ------
@@ -210,13 +207,13 @@ def least_travel(
     task = _task(model, start_current, target, start_position, period, rate, current_range, band)
     arrival, ramp = _ramp(task)
     if math.isnan(within):
-        arrival = math.ceil(LEISURE * _soonest(task, arrival, ramp, progress)[0])
+        arrival = math.ceil(EASE * _soonest(task, arrival, ramp, progress)[0])
     else:
         arrival = math.floor(within / period + 1e-6)
     progress("least travel", 0.9)
     periods = max(arrival, len(ramp) - task.hold) + task.hold
     program = _program(task, periods)
-    steered = _solved(program, arrival, np.append(ramp, np.full(periods - len(ramp), ramp[-1])))
+    steered = _solved(program, arrival, np.append(ramp, np.full(periods - len(ramp), ramp[-1])), LEISURE)
     if not steered.reaches:
         arrived = f"within {within:g} s the reading misses its band by {1e3 * steered.miss:.3g} mm"
         raise InputError("a move needs the time that it takes", arrived, "give it longer, or ask for the least time")
@@ -286,28 +283,28 @@ def _ramp(task: Task) -> tuple[int, np.ndarray]:
 
 
 def _soonest(task: Task, arrival: int, ramp: np.ndarray, progress: Progress) -> tuple[int, Steered | None]:
-    """Return the fewest periods at which the band can be reached, at most the ramp's, and the currents to them."""
+    """Return the fewest periods in which the band can be reached, at most the ramp's, and the currents to it.
+
+    A program in haste arrives as soon as it can; one period less is asked for until that misses.
+    """
     program = _program(task, len(ramp))
-    best, guess = None, ramp
-    low, high, first = 0, arrival, math.log2(max(arrival, 2))
-    while high - low > max(1, high // FINENESS):
-        middle = (low + high) // 2
-        progress("least time", 1.0 - math.log2(high - low) / first)
-        steered = _solved(program, middle, guess)
-        if steered.reaches:
-            high, best, guess = middle, steered, steered.unknowns
-        else:
-            low = middle
-    return high, best
+    best, guess, asked = None, ramp, arrival
+    while asked > 0:
+        progress("least time", 1.0 - asked / (arrival + 1.0))
+        steered = _solved(program, asked, guess, HASTE)
+        if not steered.reaches:
+            break
+        best, guess, asked = steered, steered.unknowns, min(steered.arrival, asked) - 1
+    return arrival if best is None else best.arrival, best
 
 
-def _solved(program: SteeringProgram, arrival: int, guess: np.ndarray) -> Steered:
+def _solved(program: SteeringProgram, arrival: int, guess: np.ndarray, prices: tuple[float, float]) -> Steered:
     """Solve at the narrow width, by way of wide ones where that does not succeed at once."""
-    steered = program.solve(arrival, WIDTH, guess)
+    steered = program.solve(arrival, WIDTH, guess, prices)
     if steered.reaches or steered.is_sound or steered.miss > HOPELESS:
         return steered
     for width in (*DETOUR, WIDTH):
-        steered = program.solve(arrival, width, guess)
+        steered = program.solve(arrival, width, guess, prices)
         guess = steered.unknowns
     return steered
 
@@ -316,7 +313,7 @@ def _program(task: Task, periods: int) -> SteeringProgram:
     low, high = task.ends
     margin = MARGIN * task.band
     return SteeringProgram(
-        SmoothChain(task.model, parts=parts_for(task.model, task.period)),
+        SmoothChain(task.model, parts=parts_for(task.model, task.period), is_unbroken=not is_swinging(task.model)),
         period=task.period,
         periods=periods,
         hold=task.hold,

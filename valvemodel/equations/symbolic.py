@@ -477,8 +477,20 @@ def chamber_rate(pressure, gap, supply_pressure, flow_ratio, chamber_filling_tim
     return inflow_slope / filling_time
 
 
+def subsonic_share(pressure_ratio, critical_pressure_ratio):
+    """Flow through a hole over its choked flow, above the critical ratio.
+
+    Effect choked_flow. Returns [1].
+
+    pressure_ratio : absolute pressure behind a hole over that before it. [1]
+    critical_pressure_ratio : b of ISO 6358. [1]
+    """
+    relative_ratio = (pressure_ratio - critical_pressure_ratio) / (1 - critical_pressure_ratio)
+    return ca.sqrt(1 - (relative_ratio**2))
+
+
 def subsonic_share_by_ratio(pressure_ratio, critical_pressure_ratio):
-    """Slope of the flow through a hole over its choked flow, above the critical ratio.
+    """Slope of that flow in the ratio.
 
     Effect choked_flow, differentiated. Returns [1].
 

@@ -21,7 +21,7 @@ SETTLING = 1000.0
 
 
 def compare(loop: Loop) -> dict[str, LimitCycle | None]:
-    """Return the limit cycle by each of the three ways, None where there is none.
+    """Return the limit cycle by each of the three ways, None where there is no steady one.
 
     The simulation starts half a slip jump off the set point; on the predicted cycle where that attracts so slowly
     that a run would take very long. Without any prediction the run lasts a thousand times as long as the slowest

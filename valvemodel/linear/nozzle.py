@@ -10,7 +10,7 @@ import control as ct
 from valvemodel.equations import numeric
 from valvemodel.linear.block import Treatment, block, gain, lag
 from valvemodel.linear.point import OperatingPoint, evaluate
-from valvemodel.stages.nozzle import ATMOSPHERE, compressible_pressure, passed_share
+from valvemodel.stages.nozzle import ATMOSPHERE, compressible_pressure
 
 TREATMENTS = {
     "chamber_filling": Treatment(True, "a first-order lag whose rate is the slope of eq. (15) at rest"),
@@ -62,6 +62,11 @@ def compressible_by_gap(numbers: Mapping[str, float], gap: float) -> float:
     return -by_gap / by_pressure
 
 
+def passed_share(ratio: float, critical: float) -> float:
+    """Return a hole's flow over its choked flow. [1]"""
+    return 1.0 if ratio <= critical else float(numeric.subsonic_share(min(ratio, 1.0), critical))
+
+
 def share_slope(ratio: float, critical: float) -> float:
     """Return the slope of a hole's flow in the ratio of the pressures; 0 where it is choked or at rest."""
     if not critical < ratio < 1.0:
@@ -79,7 +84,9 @@ def supply(numbers: Mapping[str, float], point: OperatingPoint) -> ct.StateSpace
     share = point.resting_pressure / full
     available = point.supplied_pressure / share
     settled = evaluate(numeric.settled_droop_by_share, numbers, pressure_share=share)
-    drawn = growth * available / (1.0 + growth * share) if point.side >= 0.0 else 0.0
+    if point.side < 0.0:
+        growth = 0.0
+    drawn = growth * available / (1.0 + growth * share)
     rate = 1.0 / (numbers["droop_recovery_time"] * (1.0 + growth * share))
     # The state is the sag less what a rise draws at once; inputs are pressures, the laws are in shares.
     return block(

@@ -62,7 +62,7 @@ def run_loop(loop: Loop, *, duration: float, start: np.ndarray | None = None) ->
 
 
 def simulated_cycle(loop: Loop, *, duration: float, start: np.ndarray | None = None) -> LimitCycle | None:
-    """Return the limit cycle at the end of a run of the exact simulator; None where there is none.
+    """Return the limit cycle at the end of a run of the exact simulator; None where the stem wanders or rests.
 
     Parameters
     ----------

@@ -50,6 +50,9 @@ class SmoothChain:
         Its effects that are switched on, and no others, enter the graph.
     parts : int
         Parts into which a period is cut; `parts_for` says how many it takes.
+    is_unbroken : bool
+        Whether a part is one motion, in which friction that would stop the stem stops it at the end: smoother for an
+        optimiser, and as good for a stem that does not swing; else the stem stops inside the part, where it stops.
 
     Attributes
     ----------
@@ -67,10 +70,10 @@ class SmoothChain:
         `start(reading, current, p) -> x`, at rest.
     """
 
-    def __init__(self, model: Model, *, parts: int = 1) -> None:
+    def __init__(self, model: Model, *, parts: int = 1, is_unbroken: bool = False) -> None:
         self.effects = frozenset(model.effects) - WITHOUT_SMOOTH_FORM
         numbers = {name: number for name, number in model.numbers.items() if math.isfinite(number)}
-        self.model, self.parts = model, parts
+        self.model, self.parts, self._is_unbroken = model, parts, is_unbroken
         self.parameters = (*numbers, WIDTH)
         self.states = (
             *electromagnet.states_of(self.effects),
@@ -95,6 +98,7 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects = self.effects
+        p.is_unbroken = self._is_unbroken and "static_friction" not in self.effects
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
         p.highest = [name for name in ("travel_max", "upper_stop") if name in self.parameters]
         p.lowest = [name for name in ("travel_min", "lower_stop") if name in self.parameters]
@@ -167,11 +171,17 @@ def parts_for(model: Model, period: float) -> int:
     period : float [s]
     """
     values, longest = model.values, math.inf
-    if values["viscous_friction"] ** 2 < 4.0 * values["stem_mass"] * values["spring_rate"]:
+    if is_swinging(model):
         longest = LONGEST_SWING * math.sqrt(values["stem_mass"] / values["spring_rate"])
     if BENDING & set(model.effects):
         longest = min(longest, LONGEST_PART)
     return max(1, math.ceil(period / longest - 1e-6))
+
+
+def is_swinging(model: Model) -> bool:
+    """Return whether the stem is less than critically damped."""
+    values = model.values
+    return values["viscous_friction"] ** 2 < 4.0 * values["stem_mass"] * values["spring_rate"]
 
 
 def run_smooth(

@@ -13,8 +13,11 @@ from valvemodel.smooth.chain import SmoothChain
 CURRENT_SCALE, LENGTH_SCALE = 1e-3, 1e-3
 """Currents and readings are of the size of 1 in the program. [A], [m]"""
 
-MISS_PRICE = 100.0
-"""Price of a millimetre outside the band in milliamperes of current travel: no travel is worth a miss."""
+HASTE, LEISURE = (0.1, 0.01), (1e-4, 1.0)
+"""Prices of a millimetre that is still to go for a period, and of a milliampere of travel: soonest, or least travel."""
+
+MISS_PRICE = 1000.0
+"""Price of a millimetre outside the band: neither haste nor travel is worth a miss."""
 
 MISSED = 2e-5
 """A band that is missed by less is reached. [m]"""
@@ -22,7 +25,7 @@ MISSED = 2e-5
 CURVATURE = 1e-6
 """What stands in for all curvature: the program is linear but for the chain, and its solution a corner."""
 
-GAP = 1e-4
+GAP = 1e-5
 """Greatest violation of a scaled constraint of a solution."""
 
 IPOPT = {
@@ -41,9 +44,13 @@ IPOPT = {
 
 @dataclass(frozen=True)
 class Steered:
-    """Currents of a program, shape (periods,) [A], and by how much they miss the band [m] and violate the chain [1]."""
+    """Currents of a program, shape (periods,) [A]; by how much they miss the band [m] and violate the chain [1].
+
+    `arrival` is the number of periods after which the readings are in the band to stay.
+    """
 
     current: np.ndarray
+    arrival: int
     miss: float
     violation: float
     unknowns: np.ndarray
@@ -60,7 +67,7 @@ class Steered:
 
 
 class SteeringProgram:
-    """Least travel of the current to a band of readings, which is entered by some period and never passed.
+    """Soonest arrival, or least travel of the current, to a band of readings that is entered in time and never passed.
 
     Parameters
     ----------
@@ -120,9 +127,11 @@ class SteeringProgram:
         gaps = (reached - whole[:, 1:]) / ca.DM(self._scale)
         readings = chain.reading.map(n)(whole[:, 1:], ca.repmat(p, 1, n)).T / LENGTH_SCALE
         constraints = ca.vertcat(ca.vec(gaps), travel - change, travel + change, readings + miss, readings - miss)
-        unknowns = ca.vertcat(current, travel, ca.vec(states), miss)
-        program = {"x": unknowns, "p": p, "f": ca.sum1(travel) + MISS_PRICE * miss, "g": constraints}
-        return ca.nlpsol("steer", "ipopt", program, {**IPOPT, "hess_lag": _flat(unknowns, p, constraints)})
+        unknowns, prices = ca.vertcat(current, travel, ca.vec(states), miss), ca.MX.sym("prices", 2)
+        side = -1.0 if self._rises else 1.0
+        price = prices[0] * side * ca.sum1(readings) + prices[1] * ca.sum1(travel) + MISS_PRICE * miss
+        program = {"x": unknowns, "p": ca.vertcat(p, prices), "f": price, "g": constraints}
+        return ca.nlpsol("steer", "ipopt", program, {**IPOPT, "hess_lag": _flat(unknowns, program["p"], constraints)})
 
     def _arriving(self, current: ca.MX) -> ca.MX:
         """Return the currents behind the line's delay, the mean of each period."""
@@ -133,14 +142,16 @@ class SteeringProgram:
         count = current.size1()
         return (1.0 - part) * late[1 : count + 1] + part * late[:count]
 
-    def solve(self, arrival: int, width: float, guess: np.ndarray) -> Steered:
+    def solve(self, arrival: int, width: float, guess: np.ndarray, prices: tuple[float, float] = HASTE) -> Steered:
         """Solve for readings in the band from the end of a period on, at a smoothing width [N].
 
         Parameters
         ----------
         arrival : int
-            Periods until then.
+            Periods until then; with `HASTE` the readings come there sooner where they can.
         width : float [N]
+        prices : (float, float)
+            `HASTE` or `LEISURE`.
         guess : array, shape (periods,) of currents [A], or the unknowns of an earlier solution
         """
         n, states = self._periods, len(self._chain.states)
@@ -153,7 +164,7 @@ class SteeringProgram:
         limits = self._limits(arrival)
         result = self._solver(
             x0=begin,
-            p=p,
+            p=np.append(p, prices),
             lbx=np.concatenate([np.full(n, low_current), np.zeros(n), -free, [0.0]]),
             ubx=np.concatenate([np.full(n, high_current), still, free, [1e3]]),
             **limits,
@@ -161,7 +172,11 @@ class SteeringProgram:
         unknowns = result["x"].full().ravel()
         reached = result["g"].full().ravel()
         violation = float(np.maximum(limits["lbg"] - reached, reached - limits["ubg"]).max())
-        return Steered(unknowns[:n] * CURRENT_SCALE, float(unknowns[-1]) * LENGTH_SCALE, violation, unknowns)
+        miss = float(unknowns[-1])
+        readings = (reached[-n:] + miss) * LENGTH_SCALE
+        outside = np.flatnonzero((readings < self._band[0] - MISSED) | (readings > self._band[1] + MISSED))
+        soonest = int(outside[-1]) + 2 if len(outside) else 1
+        return Steered(unknowns[:n] * CURRENT_SCALE, soonest, miss * LENGTH_SCALE, violation, unknowns)
 
     def _limits(self, arrival: int) -> dict[str, np.ndarray]:
         """Return the bounds of the constraints: no gaps, travel above change, inside the band from the arrival on."""

@@ -47,6 +47,9 @@ def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duratio
         limit = sliding_friction(p, side, x.position, pressure, time)
         motion = transition(p.stem_mass, damping(p, side), stiffness(p, side, x.position, pressure, time), duration)
         advance_presliding(p, x, net, limit, motion)
+    elif p.is_unbroken:
+        side = ca.sign(thrust(p, x.position, pressure, time))
+        move(p, x, pressure, time, duration, side, breaks_away=False)
     else:
         slips = time_in_slip(p, x, pressure, time, duration)
         move(p, x, pressure, time, slips, ca.sign(x.velocity), breaks_away=False)
