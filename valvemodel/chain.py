@@ -62,7 +62,7 @@ def maps_plainly(p):
 
 
 @compiled
-def plan_run(p, state, driven_by, substep):
+def plan_run(p, state, driven_by):
     """Write down once a run what does not change during it."""
     plan_stem(p, state)
     state.lag_duration = -1.0
@@ -72,9 +72,9 @@ def plan_run(p, state, driven_by, substep):
 
 
 @compiled
-def start_chain(p, state, memory, drive, driven_by, time, substep):
+def start_chain(p, state, memory, drive, driven_by, time):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
-    plan_run(p, state, driven_by, substep)
+    plan_run(p, state, driven_by)
     if driven_by == CURRENT:
         rest_electromagnet(p, state, drive)
         gap = gap_of_current(p, state.hysteresis_input, time)

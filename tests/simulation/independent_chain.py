@@ -213,6 +213,7 @@ class IndependentChain:
             if math.isfinite(end):
                 events["limit"] = lambda t, x: side * (end - x[STEM])
             if self.presliding_compliance == 0.0:
+
                 def rest(t, x):
                     sides = (holds(t, x, 1), holds(t, x, -1))
                     return max(side * x[SPEED] / STOP_SPEED - 1.0, -min(sides) / self.coulomb_friction)
