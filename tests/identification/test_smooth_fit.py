@@ -146,7 +146,9 @@ def test_multiple_shooting_ends_where_the_single_run_does():
 
 def test_a_swinging_stem_is_found_by_way_of_wide_smoothing():
     truth = calibrated(viscous_friction=1.59)
-    fitted = fit_smooth([experiment_of(record_of(truth, seconds=16.0))], far_start(2).with_values(viscous_friction=3.0))
+    fitted = fit_smooth(
+        [experiment_of(record_of(truth, seconds=16.0, rate=100.0))], far_start(2).with_values(viscous_friction=3.0)
+    )
     for name in FREE:
         assert fitted.smooth.model.values[name] == pytest.approx(truth.values[name], rel=2e-2), name
 
