@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled, inlined
-from valvemodel.parameters import MOST_NOTED
+from valvemodel.compiled import apart, compiled, inlined
+from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import advance_stem, glide, glide_part, plan_stem
@@ -22,6 +22,8 @@ from valvemodel.stages.sensor import (
 )
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK, put_stem, rest_stem
+
+RECORDS = (PARAMETERS, STATE, MEMORY)
 
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
@@ -71,7 +73,7 @@ def plan_run(p, state, driven_by):
     state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
 
 
-@compiled
+@apart(RECORDS, 3)
 def start_chain(p, state, memory, drive, driven_by, time):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
     plan_run(p, state, driven_by)
@@ -92,17 +94,31 @@ def start_chain(p, state, memory, drive, driven_by, time):
         state.position -= p.backlash_start * p.backlash_half_width
 
 
-@inlined
-def move_stem(p, state, memory, pressure, time, duration, tolerance):
-    """Move stem and sensor through a duration under a held pressure, event by event."""
-    if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
-        follow_steadily(p, state)
-    else:
-        hold_pressure(memory, pressure)
-        move_by_events(p, state, memory, time, duration, tolerance)
+@compiled
+def note_event(memory, time, position, speed_before, mode_before, mode_after):
+    """Write down an event; where the table is full, only count it."""
+    index = int(memory.events_noted)
+    memory.events_noted += 1.0
+    if index < MOST_NOTED:
+        event = memory.events[index]
+        event.time, event.position, event.speed_before = time, position, speed_before
+        event.mode_before, event.mode_after = mode_before, mode_after
 
 
 @compiled
+def note_events(state, memory, time, step, before, mode_before):
+    """Write down the changes of mode in one step of the stem, which may break away and stop again."""
+    moved = state.position - before
+    if mode_before == STUCK and (state.mode != STUCK or moved != 0.0):
+        side = state.mode if state.mode != STUCK else math.copysign(1.0, moved)
+        note_event(memory, time, before, 0.0, STUCK, side)
+        mode_before = side
+    if state.mode != mode_before:
+        speed = abs(state.trace_next_velocity)
+        note_event(memory, time + step, state.position, speed, mode_before, state.mode)
+
+
+@apart(RECORDS, 3)
 def move_by_events(p, state, memory, time, duration, tolerance):
     """Move stem and sensor through a duration of the part, from event to event."""
     used, in_a_row, pause = 0.0, 0, ROUNDING
@@ -122,28 +138,14 @@ def move_by_events(p, state, memory, time, duration, tolerance):
         used += step
 
 
-@compiled
-def note_events(state, memory, time, step, before, mode_before):
-    """Write down the changes of mode in one step of the stem, which may break away and stop again."""
-    moved = state.position - before
-    if mode_before == STUCK and (state.mode != STUCK or moved != 0.0):
-        side = state.mode if state.mode != STUCK else math.copysign(1.0, moved)
-        note_event(memory, time, before, 0.0, STUCK, side)
-        mode_before = side
-    if state.mode != mode_before:
-        speed = abs(state.trace_next_velocity)
-        note_event(memory, time + step, state.position, speed, mode_before, state.mode)
-
-
-@compiled
-def note_event(memory, time, position, speed_before, mode_before, mode_after):
-    """Write down an event; where the table is full, only count it."""
-    index = int(memory.events_noted)
-    memory.events_noted += 1.0
-    if index < MOST_NOTED:
-        event = memory.events[index]
-        event.time, event.position, event.speed_before = time, position, speed_before
-        event.mode_before, event.mode_after = mode_before, mode_after
+@inlined
+def move_stem(p, state, memory, pressure, time, duration, tolerance):
+    """Move stem and sensor through a duration under a held pressure, event by event."""
+    if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
+        follow_steadily(p, state)
+    else:
+        hold_pressure(memory, pressure)
+        move_by_events(p, state, memory, time, duration, tolerance)
 
 
 @inlined
@@ -159,7 +161,7 @@ def hold_drive(p, state, memory, drive, time, duration, tolerance):
     move_stem(p, state, memory, pressure, time, duration, tolerance)
 
 
-@compiled
+@apart(RECORDS, 4)
 def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
     """Hold a current part by part while the pressure moves, and at once where it has come to rest."""
     used = 0.0
@@ -185,7 +187,7 @@ def hold_current(p, state, memory, drive, time, duration, tolerance):
         hold_drive(p, state, memory, drive, time, duration, tolerance)
 
 
-@compiled
+@apart(RECORDS, 4)
 def hold_delayed(p, state, memory, drive, time, duration, tolerance):
     """Let a current enter the line and hold what comes out of it: its switches fall inside the periods."""
     enter_line(memory, time, drive)
