@@ -13,7 +13,7 @@ from identification.uncertainty import UNDETERMINED_SHARE
 from identification.unknowns import Unknown
 from valvemodel.effects import effect_of_key
 from valvemodel.quantities import format_quantity
-from valvemodel.simulation import SUBSTEP, TOLERANCE
+from valvemodel.simulation import TOLERANCE
 
 SEEN = 1.0
 """A step is wide enough once all readings together change by so many standard deviations of the noise."""
@@ -144,7 +144,7 @@ def exact_problem(fit: Fit) -> Problem:
     """Return the problem of a fit at the simulator's own accuracy, without priors, re-anchored where it is jagged."""
     flat = tuple(replace(unknown, prior_spread=np.inf) for unknown in fit.unknowns)
     is_anchored = fit.problem.is_anchored or is_jagged(fit)
-    return replace(fit.problem, unknowns=flat, substep=SUBSTEP, tolerance=TOLERANCE, is_anchored=is_anchored)
+    return replace(fit.problem, unknowns=flat, tolerance=TOLERANCE, is_anchored=is_anchored)
 
 
 def is_jagged(fit: Fit) -> bool:

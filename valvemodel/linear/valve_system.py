@@ -13,7 +13,7 @@ from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages.line import enter_line, rest_line
 from valvemodel.stages.sensor import read_sensor
-from valvemodel.trajectory import SUBSTEP, TOLERANCE
+from valvemodel.trajectory import TOLERANCE
 
 OUTPUTS = ("reading", "position", "pressure")
 
@@ -43,7 +43,7 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
     memories = np.zeros(1, MEMORY)
     under_way = _under_way(model, period)
     start = np.zeros(1, STATE)
-    stepping._start(rows, start, memories, current, 0.0, SUBSTEP)
+    stepping._start(rows, start, memories, current, 0.0)
 
     def update(time: float, states: np.ndarray, drives: np.ndarray, parameters: dict) -> np.ndarray:
         state, line = _split(states, under_way)

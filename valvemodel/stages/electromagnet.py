@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.lag import remember_lag
 
 EFFECTS = (
     Effect(
@@ -111,27 +112,50 @@ def saturate(p, current):
 
 
 @inlined
-def advance_flux(p, state, current, duration):
-    """Hold the current for a duration and return the mean current that the flux stands for. [A]
-
-    Lag and hysteresis are exact under a held current.
-    """
-    effective = current
-    if p.coil_time_constant > 0.0:
-        departure = state.flux_current - current
-        decayed = -math.expm1(-duration / p.coil_time_constant)
-        effective += departure * decayed * p.coil_time_constant / duration
-        state.flux_current -= departure * decayed
-    effective = saturate(p, effective)
+def advance_flux(p, state, current):
+    """Switch the current and return the one that the flux stands for. [A]"""
+    effective = saturate(p, current)
     if p.hysteresis_half_width > 0.0:
         change = effective - state.hysteresis_input
         if change != 0.0:
-            side = 1.0 if change > 0.0 else -1.0
-            reach = 2.0 * p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
-            state.hysteresis = side + (state.hysteresis - side) * math.exp(-abs(change) / reach)
+            state.hysteresis = hysteresis_after(p, state, change)
             state.hysteresis_input = effective
         effective -= p.hysteresis_half_width * state.hysteresis
     return effective
+
+
+@inlined
+def hysteresis_after(p, state, change):
+    """Return the place in the loop after a change of the current one way, exact."""
+    side = 1.0 if change > 0.0 else -1.0
+    reach = 2.0 * p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
+    return side + (state.hysteresis - side) * math.exp(-abs(change) / reach)
+
+
+@compiled
+def lay_currents(p, state, memory, current, spacing, count):
+    """Write the currents that the flux stands for at the nodes of a part, exact under a held current."""
+    lag, flux = memory.lags[3], current
+    memory.end_hysteresis = state.hysteresis
+    if p.coil_time_constant > 0.0:
+        remember_lag(lag, 1.0 / p.coil_time_constant, spacing, count)
+    for node in range(count + 1):
+        if p.coil_time_constant > 0.0:
+            flux = current + (state.flux_current - current) * lag.decay[node]
+        effective = saturate(p, flux)
+        memory.end_input = effective
+        if p.hysteresis_half_width > 0.0 and effective != state.hysteresis_input:
+            memory.end_hysteresis = hysteresis_after(p, state, effective - state.hysteresis_input)
+        effective -= p.hysteresis_half_width * memory.end_hysteresis
+        memory.currents[node] = effective
+    memory.end_flux = flux
+
+
+@compiled
+def accept_currents(state, memory):
+    """Take the stage to the end of the part that was laid."""
+    state.flux_current = memory.end_flux
+    state.hysteresis_input, state.hysteresis = memory.end_input, memory.end_hysteresis
 
 
 @inlined
