@@ -22,6 +22,7 @@ from valvemodel.stages.sensor import (
 )
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK, put_stem, rest_stem
+from valvemodel.stages.travel import SHORTEST_STEP
 
 RECORDS = (PARAMETERS, STATE, MEMORY)
 
@@ -32,7 +33,7 @@ TICKS = 1.26e12
 """In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
 
 CHATTER = 64
-"""Events at one instant after which a stem that sticks and breaks away in turn is held for a moment."""
+"""Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
 
 @compiled
@@ -121,7 +122,7 @@ def note_events(state, memory, time, step, before, mode_before):
 @apart(RECORDS, 3)
 def move_by_events(p, state, memory, time, duration, tolerance):
     """Move stem and sensor through a duration of the part, from event to event."""
-    used, in_a_row, pause = 0.0, 0, ROUNDING
+    used, in_a_row, pause = 0.0, 0, SHORTEST_STEP
     while used < duration:
         before, mode_before = state.position, state.mode
         memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
@@ -130,7 +131,7 @@ def move_by_events(p, state, memory, time, duration, tolerance):
         follow_stem(p, state, memory, before, state.position, step)
         if memory.notes_events == 1.0:
             note_events(state, memory, time + used, step, before, mode_before)
-        in_a_row = in_a_row + 1 if step <= ROUNDING else 0
+        in_a_row = in_a_row + 1 if step <= SHORTEST_STEP else 0
         if in_a_row == CHATTER:
             # It would go on so for ever: it rests a moment, and then for twice as long.
             come_to_rest(state)

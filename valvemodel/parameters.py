@@ -48,7 +48,7 @@ STATE = np.dtype(
             "flux_current", "hysteresis", "hysteresis_input",
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
             "part_aim", "rest_drive", "chamber_rate",
-            "position", "velocity", "mode", "bristle", "trial_step",
+            "position", "velocity", "mode", "bristle", "trial_step", "is_easy",
             "linkage", "lagged_reading",
             "plan_linear", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
             "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
@@ -106,7 +106,7 @@ MEMORY = np.dtype(
             "end_flux", "end_input", "end_hysteresis",
             "end_share", "end_supply", "end_supplied", "end_chamber", "end_filled",
             "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
-            "step_start", "step_damping", "step_stiffness", "trace_count",
+            "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",
         )
     ]
     + [

@@ -46,7 +46,7 @@ def test_an_effect_at_its_typical_values_changes_the_readings(key):
 def test_refinement_moves_little(key):
     model = with_effects(BASE, key)
     # Stribeck friction soon hangs by a hair.
-    some = slice(0, 260) if key == "stribeck" else slice(None)
+    some = slice(0, 80) if key == "stribeck" else slice(None)
     default = run(model, TIME[some], CURRENT[some])
     for tolerance, bound in ((FINE_TOLERANCE, 1e-9), (SEARCH_TOLERANCE, 2e-5)):
         other = run(model, TIME[some], CURRENT[some], tolerance=tolerance)

@@ -86,12 +86,22 @@ def first_fall(count, values, powers):
     for node in range(1, count + 1):
         if values[node] < 0.0:
             fit_powers(count, values, powers)
-            low, high = node - 1.0, float(node)
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                if value_at(count, powers, middle) > 0.0:
-                    low = middle
-                else:
-                    high = middle
-            return high
+            return fall_between(count, powers, node - 1.0, float(node))
     return math.inf
+
+
+@compiled
+def fall_between(count, powers, low, high):
+    """Return where a polynomial falls to 0 between two places, by bracketed Newton iteration; not before it has."""
+    place = 0.5 * (low + high)
+    for _ in range(60):
+        value, slope = value_at(count, powers, place), slope_at(count, powers, place)
+        if value > 0.0:
+            low = place
+        else:
+            high = place
+        following = place - value / slope if slope < 0.0 else 0.5 * (low + high)
+        if abs(following - place) <= 1e-14 * high:
+            break
+        place = following if low < following < high else 0.5 * (low + high)
+    return high

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.nodes import fit_powers
+from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.stem import limiting_friction
 
 
@@ -28,7 +28,7 @@ def lay_bristles(p, state, memory, count):
         time = memory.step_time + node * memory.step_spacing
         speed = max(memory.speeds[node], 0.0)
         memory.limits[node] = limiting_friction(p, side, position, memory.step_pressures[node], time, speed)
-    departure = start - memory.limits[0]
+    departure, memory.bristles_off = start - memory.limits[0], 0.0
     if state.plan_limit_held == 1.0:
         for node in range(1, count + 1):
             reach = memory.limits[node] * compliance
@@ -37,11 +37,14 @@ def lay_bristles(p, state, memory, count):
     for node in range(count + 1):
         memory.values[node] = memory.speeds[node] / (memory.limits[node] * compliance)
     fit_powers(count, memory.values, memory.powers)
+    length = count * memory.step_spacing
+    memory.bristles_off = abs(departure) * length * left_out(count, memory.powers)
     for node in range(count + 1):
         # The feed of the last pass.
         memory.forces[node] = memory.values[node] * memory.feeds[node]
         memory.values[node] = memory.step_spacing * area_to(count, memory.powers, node)
     fit_powers(count, memory.forces, memory.powers)
+    memory.bristles_off += length * left_out(count, memory.powers)
     for node in range(1, count + 1):
         change = memory.limits[node] - memory.limits[0]
         memory.feeds[node] = change - memory.step_spacing * area_to(count, memory.powers, node)

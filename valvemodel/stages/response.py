@@ -55,15 +55,15 @@ def respond(response, damping, stiffness, spacing, count):
     highest, next_highest = 0.0, 0.0
     share, next_share = short * short / ((count + 1.0) * (count + 2.0)), short * short / (count * (count + 1.0))
     following = count + 3.0
-    while True:
+    is_summed = False
+    while not is_summed:
         highest += term * share
         next_highest += term * next_share
         before, term = term, -by_damping * term - by_stiffness * before
         share /= following
         next_share /= following - 1.0
         following += 1.0
-        if (abs(term) + abs(before)) * next_share < 1e-18 * short * short:
-            break
+        is_summed = not (abs(term) + abs(before)) * next_share > 1e-18 * short * short
     way[1, count], way[1, count - 1] = highest, next_highest
     for power in range(count, 1, -1):
         way[1, power - 2] = (short * short - by_damping * power * way[1, power - 1] - by_stiffness * way[1, power]) / (

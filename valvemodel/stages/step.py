@@ -78,7 +78,11 @@ def sweep_step(p, state, memory, length, count, tolerance):
     for power in range(count + 1):
         memory.pull_powers[power] = 0.0
     is_linear = state.plan_linear == 1.0 and (is_held or p.area_slope == 0.0)
-    lay_motion(memory, count)
+    if is_linear:
+        for node in range(1, count + 1):
+            memory.ways[node], memory.speeds[node] = 0.0, memory.step_speed
+    else:
+        lay_motion(memory, count)
     moved, left, slack = math.inf, math.inf, STANDING * tolerance
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
@@ -93,7 +97,10 @@ def sweep_step(p, state, memory, length, count, tolerance):
     else:
         return math.inf
     reach = response.way[count, 0] + state.plan_response * response.impulse[count]
-    return left_out(count, memory.pull_powers) * abs(reach) + left
+    off = left_out(count, memory.pull_powers)
+    if p.presliding_compliance > 0.0:
+        off += memory.bristles_off / p.stem_mass
+    return off * abs(reach) + left
 
 
 @compiled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at, value_at
+from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_powers, slope_at, value_at
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.slip import STOP_SPEED, first_stop
@@ -24,6 +24,9 @@ UNSTABLE = 3.0
 BEYOND = 1.05
 """Longest step over the time to the stop that the linear part alone foresees."""
 
+EASY = 1e-4
+"""Share of what a step may be off below which the next tries fewer nodes."""
+
 MEETING = 1e-3
 """Share of the tolerance within which an event is met."""
 
@@ -40,19 +43,29 @@ NOTHING, STOP, LIMIT, CONTACT, REST = 0, 1, 2, 3, 4
 @compiled
 def advance_travel(p, state, memory, time, duration, tolerance):
     """Move a slip by one step, to its next event at most; return the time used. [s]"""
-    count = COARSE_NODES if is_coarse(tolerance) else NODES
     begin_step(p, state, memory, time)
+    if 0.0 < memory.step_speed * state.plan_response <= MEETING * tolerance and memory.step_start <= 0.0:
+        # The rest of a creep is below the tolerance.
+        come_to_rest(state)
+        return 0.0
+    count = COARSE_NODES if is_coarse(tolerance) or state.is_easy == 1.0 else NODES
     step = first_length(state, memory, duration)
+    allowed = STEP_SHARE * tolerance
     while True:
         error = sweep_step(p, state, memory, step, count, tolerance)
-        if error <= STEP_SHARE * tolerance or step <= SHORTEST_STEP:
+        if error <= allowed or step <= SHORTEST_STEP:
             break
+        if count == COARSE_NODES and not is_coarse(tolerance):
+            count, state.is_easy = NODES, 0.0
+            continue
         # The error falls with a high power of the length.
-        is_far = not error <= STEP_SHARE * tolerance * 2.0 ** (count + 2)
+        is_far = not error <= allowed * 2.0 ** (count + 2)
         step = max(step * (0.25 if is_far else 0.5), SHORTEST_STEP)
         state.trial_step = step
-    if error < STEP_SHARE * tolerance * 0.5 ** (count + 3):
+    if error < allowed * 0.5 ** (count + 3):
         state.trial_step = max(state.trial_step, 2.0 * step)
+    if count == NODES and error < EASY * allowed:
+        state.is_easy = 1.0
     ended = NOTHING
     room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
     contact = math.inf
@@ -76,7 +89,11 @@ def first_length(state, memory, duration):
     if damping < 0.0:
         longest = min(longest, -UNSTABLE / damping)
     step = duration / math.ceil(duration / longest - 1e-6) if longest < duration else duration
-    stop = first_stop(1.0, damping, stiffness, memory.step_speed, memory.step_start)
+    if memory.step_speed > 0.0:
+        stop = first_stop(1.0, damping, stiffness, memory.step_speed, memory.step_start)
+    else:
+        # From rest it goes on for half a swing, whatever sets it going.
+        stop = first_stop(1.0, damping, stiffness, 0.0, 1.0)
     return max(min(step, BEYOND * stop), min(SHORTEST_STEP, duration))
 
 
@@ -155,7 +172,12 @@ def meet(p, state, memory, count, tolerance, kind, low, high, distance):
             low = length
         else:
             high = length
-        is_met = value <= 0.0 and (high - low) * STOP_SPEED <= bound if kind == REST else abs(value) <= bound
+        is_met = abs(value) <= bound
+        if kind == REST:
+            is_met = value <= 0.0 and (high - low) * STOP_SPEED <= bound
+        elif kind == STOP and value > 0.0 and slope >= 0.0:
+            # The speed is small because the slip has only begun.
+            is_met = False
         if is_met or high - low <= 1e-15 * high:
             break
         length = length - value / slope if slope < 0.0 else 0.5 * (low + high)
@@ -170,18 +192,14 @@ def place_of_fall(memory, count, kind, low, high, distance):
     if kind == REST:
         return high
     if kind == STOP:
+        if low == 0.0 and memory.step_speed == 0.0:
+            return 0.5 * high
         fit_powers(count, memory.speeds, memory.powers)
     else:
         for node in range(count + 1):
             memory.values[node] = distance - memory.ways[node]
         fit_powers(count, memory.values, memory.powers)
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        if value_at(count, memory.powers, middle) > 0.0:
-            low = middle
-        else:
-            high = middle
-    return high
+    return fall_between(count, memory.powers, low, high)
 
 
 @compiled
