@@ -21,8 +21,14 @@ from valvemodel.stages.stem import (
 SWEEPS = 10
 """Most passes over the nodes until the motion stands still; a step that needs more is too long."""
 
-STANDING = 0.02
-"""Share of the tolerance by which the motion may still move when the passes end."""
+STANDING = 0.2
+"""Share of the allowed error by which the motion may still move when the passes end."""
+
+STEP_SHARE = 0.1
+"""Share of the tolerance that one step may use."""
+
+ROUGH = 0.1
+"""Share of its own motion by which a slip may be off while its speed feeds on itself: it would stop for nothing."""
 
 KEPT = 0.02
 """A linearisation that is off by this share of the motion still serves: the passes mend it."""
@@ -66,7 +72,7 @@ def slip_force(p, memory, node, position, speed):
 
 @compiled
 def sweep_step(p, state, memory, length, count, tolerance):
-    """Lay the motion over a step of a length; return its estimated error, infinite where the passes diverge. [m]"""
+    """Lay the motion over a step of a length; return its error over what is allowed, infinite where passes diverge."""
     memory.step_spacing, memory.step_count = length / count, count
     choose_linear_part(state, memory, length, count)
     response, is_held = memory.responses[0], memory.part_count == 0.0
@@ -83,7 +89,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
             memory.ways[node], memory.speeds[node] = 0.0, memory.step_speed
     else:
         lay_motion(memory, count)
-    moved, left, slack = math.inf, math.inf, STANDING * tolerance
+    moved, left, allowed = math.inf, math.inf, STEP_SHARE * tolerance
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
         way, speed = memory.ways[count], memory.speeds[count]
@@ -92,7 +98,10 @@ def sweep_step(p, state, memory, length, count, tolerance):
         moved = abs(memory.ways[count] - way) + state.plan_response * abs(memory.speeds[count] - speed)
         # Each pass gains by as much as the last one did.
         left = 0.0 if is_linear else moved * min(moved / before, 1.0) if before < math.inf else moved
-        if left <= slack:
+        if memory.step_damping < 0.0:
+            extent = abs(memory.ways[count]) + state.plan_response * abs(memory.speeds[count])
+            allowed = min(STEP_SHARE * tolerance, ROUGH * extent)
+        if left <= STANDING * allowed:
             break
     else:
         return math.inf
@@ -100,7 +109,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
     off = left_out(count, memory.pull_powers)
     if p.presliding_compliance > 0.0:
         off += memory.bristles_off / p.stem_mass
-    return off * abs(reach) + left
+    return (off * abs(reach) + left) / allowed
 
 
 @compiled

@@ -12,9 +12,6 @@ from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, thrust
 from valvemodel.stages.step import begin_step, slip_force, sweep_step
 
-STEP_SHARE = 0.1
-"""Share of the tolerance that one step may use."""
-
 SHORTEST_STEP = 1e-9
 """Steps are not made shorter: far below any time constant of a valve. [s]"""
 
@@ -50,21 +47,20 @@ def advance_travel(p, state, memory, time, duration, tolerance):
         return 0.0
     count = COARSE_NODES if is_coarse(tolerance) or state.is_easy == 1.0 else NODES
     step = first_length(state, memory, duration)
-    allowed = STEP_SHARE * tolerance
     while True:
         error = sweep_step(p, state, memory, step, count, tolerance)
-        if error <= allowed or step <= SHORTEST_STEP:
+        if error <= 1.0 or step <= SHORTEST_STEP:
             break
         if count == COARSE_NODES and not is_coarse(tolerance):
             count, state.is_easy = NODES, 0.0
             continue
         # The error falls with a high power of the length.
-        is_far = not error <= allowed * 2.0 ** (count + 2)
+        is_far = not error <= 2.0 ** (count + 2)
         step = max(step * (0.25 if is_far else 0.5), SHORTEST_STEP)
         state.trial_step = step
-    if error < allowed * 0.5 ** (count + 3):
+    if error < 0.5 ** (count + 3):
         state.trial_step = max(state.trial_step, 2.0 * step)
-    if count == NODES and error < EASY * allowed:
+    if count == NODES and error < EASY:
         state.is_easy = 1.0
     ended = NOTHING
     room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
