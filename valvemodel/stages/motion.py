@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.part import pressure_at
+from valvemodel.stages.linearised import advance_linearised
+from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
@@ -194,6 +195,8 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if p.presliding_compliance > 0.0:
+        if is_coarse(tolerance):
+            return advance_linearised(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
             return duration
         return advance_travel(p, state, memory, time, duration, tolerance)
