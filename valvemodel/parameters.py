@@ -12,6 +12,7 @@ from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.stages import EFFECTS
 from valvemodel.stages.line import CAPACITY
 from valvemodel.stages.nodes import NODES
+from valvemodel.stages.plays import PLAYS
 
 _HERE = Path(__file__).parent
 _COMPILED = (
@@ -62,6 +63,7 @@ STATE = np.dtype(
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
         )
     ]
+    + [("plays", "f8", (PLAYS,))]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
 

@@ -60,10 +60,19 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
 
     system = ct.nlsys(
         update, output, name=model.name, dt=period, inputs=["current"], outputs=list(OUTPUTS),
-        states=[*(STATE.names or ()), *(f"current_{number}" for number in range(under_way))],
+        states=[*_names_of_states(), *(f"current_{number}" for number in range(under_way))],
     )  # fmt: skip
     system.start = np.concatenate((start.view(float), np.full(under_way, current)))
     return system
+
+
+def _names_of_states() -> list[str]:
+    """Return the names of the simulator's states, numbered where there are several of a name."""
+    names = []
+    for name in STATE.names or ():
+        count = math.prod(STATE[name].shape)
+        names += [name] if STATE[name].shape == () else [f"{name}_{number}" for number in range(count)]
+    return names
 
 
 def _under_way(model: Model, period: float) -> int:

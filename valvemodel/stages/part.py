@@ -101,7 +101,7 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
 @compiled
 def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
     """Lay the pressure at the nodes, stage by stage; return where a stage changes its law, in spacings."""
-    lay_currents(p, state, memory, drive, spacing, count)
+    end = lay_currents(p, state, memory, drive, spacing, count)
     is_still = p.coil_time_constant == 0.0 and p.gap_drift_rate == 0.0
     resting = 0.0
     for node in range(count + 1):
@@ -112,9 +112,8 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
             memory.gaps[node] = gap
             resting = resting_pressure_of_chain(p, gap, memory.currents[node])
             memory.pressures[node] = resting
-    end = math.inf
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
-        end = lay_supply(p, state, memory, spacing, count)
+        end = min(end, lay_supply(p, state, memory, spacing, count))
         memory.end_share, memory.end_supply = memory.shares[count], memory.values[count]
     memory.end_supplied = memory.pressures[count]
     if p.chamber_filling_time > 0.0:
@@ -134,7 +133,7 @@ def end_part(p, state, memory, drive, length, tolerance):
     """Take the stages to the end of the part that was laid; put them at rest where they have come near it."""
     count = int(memory.part_count)
     near = near_pressure(p, tolerance)
-    accept_currents(state, memory)
+    accept_currents(p, state, memory)
     is_near = abs(state.flux_current - drive) * p.supply_pressure <= near * CURRENT_SPAN and p.gap_drift_rate == 0.0
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
         state.share, state.droop = memory.end_share, p.supply_pressure - memory.end_supply
