@@ -8,19 +8,28 @@ from simulation_runs import base_model, ramps_and_steps, run
 
 from diagnosis.blindtest.chain.electromagnet import _plays
 from diagnosis.blindtest.profiles import draw_profile
+from diagnosis.blindtest.truth import Truth
+from diagnosis.blindtest.valve import integrate
+from valvemodel.linear.nozzle import quickness_at_rest
 from valvemodel.model import Model
 from valvemodel.reference import simulate_slowly
 from valvemodel.simulation import simulate
 from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
+from valvemodel.stages import amplifier
 from valvemodel.valves import read_valve
 
 BASE = base_model()
+ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
 PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
 
 LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
+    "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
 }
 """By effect, its second law at telling values, and what makes that vanish."""
+
+INTEGRATED = {"asymmetric_filling": 3e-6}
+"""How far laws without a closed form may be off at the default accuracy. [m]"""
 
 
 def with_law(key: str, model: Model = BASE) -> Model:
@@ -43,17 +52,18 @@ def test_splitting_periods_changes_nothing(key, damping):
     halved = np.empty(2 * len(time) - 1)
     halved[::2], halved[1::2] = time, 0.5 * (time[1:] + time[:-1])
     split = run(model, halved, np.repeat(current, 2)[:-1])[::2]
-    assert np.abs(split - run(model, time, current)).max() < 1e-12
+    assert np.abs(split - run(model, time, current)).max() < INTEGRATED.get(key, 1e-12)
 
 
 @pytest.mark.parametrize("key", LAWS)
 @pytest.mark.parametrize("other", [None, "coil_lag"])
 def test_the_law_in_plain_python(key, other):
-    time, current = ramps_and_steps(seconds=2.0 if other else 15.0, seed=1)
+    is_exact = other is None and key not in INTEGRATED
+    time, current = ramps_and_steps(seconds=15.0 if is_exact else 2.0, seed=1)
     model = with_law(key) if other is None else with_law(key).with_effect(other)
     found = simulate(model, time=time, current=current).position
     expected = simulate_slowly(model, time=time, current=current).position
-    assert np.abs(found - expected).max() < (1e-5 if other else 2e-14)
+    assert np.abs(found - expected).max() < (2e-14 if is_exact else 1e-5)
 
 
 @pytest.mark.parametrize("key", LAWS)
@@ -63,11 +73,12 @@ def test_the_smooth_law_converges_to_the_exact_one(key):
     exact = simulate(model, time=time, current=current, start_position=0.02).position
     chain = SmoothChain(model, parts=parts_for(model, 0.01))
     off = [
-        np.abs(run_smooth(chain, time=time, current=current, start_position=0.02, width=width) - exact).max()
-        for width in (30.0, 1.0, 0.01)
+        np.std(run_smooth(chain, time=time, current=current, start_position=0.02, width=width) - exact)
+        for width in (30.0, 0.01)
     ]
     assert off[0] < 3e-3
-    assert off[2] < 1e-6
+    # A part takes the pressure as its mean.
+    assert off[1] < (5e-5 if key in INTEGRATED else 1e-6)
 
 
 def effective_current(current: np.ndarray, **values: float) -> np.ndarray:
@@ -133,3 +144,55 @@ def test_a_few_plays_are_as_good_as_thirty():
     )
     assert found < 0.03
     assert dahl > 0.1
+
+
+def pressure_after_steps(*currents: float, **values: float) -> tuple[np.ndarray, np.ndarray, list[float]]:
+    """Pressures over 2 s at each of some currents, and where they rest, as shares of the supply. [s], [1], [1]"""
+    time = 0.02 * np.arange(100 * len(currents) + 1)
+    held = np.append(np.repeat(currents, 100), currents[-1])
+    model = BASE.with_effect("asymmetric_filling", **values)
+    supply = BASE.values["supply_pressure"]
+    resting = [simulate(BASE, time=np.array([0.0, 1.0]), current=np.full(2, each)).pressure[0] for each in currents]
+    return time, simulate(model, time=time, current=held).pressure / supply, [each / supply for each in resting]
+
+
+def test_orifices_fill_and_vent_as_their_equation_has_it():
+    """The time of eq. (15) between two pressures is an integral: ds / (sqrt(1 - s) - sqrt(1/q - 1) sqrt(s))."""
+    from scipy.integrate import quad
+
+    time, shares, resting = pressure_after_steps(6e-3, 18e-3, 7e-3, **ORIFICES)
+    for sample, aim, time_constant in ((100, resting[1], 0.05), (200, resting[2], 0.3)):
+        begin, end = shares[sample], shares[sample + 6]
+        taken, _ = quad(lambda s: 1.0 / (np.sqrt(1.0 - s) - np.sqrt((1.0 / aim - 1.0) * s)), begin, end, epsabs=1e-12)  # noqa: B023
+        assert time_constant * taken == pytest.approx(time[sample + 6] - time[sample], abs=2e-6)
+
+
+def test_a_rate_limit_bounds_orifices_too():
+    limited = {**ORIFICES, "filling_slowness": 2e-5}
+    time, shares, _ = pressure_after_steps(18e-3, 6e-3, 18e-3, **limited)
+    speeds = np.diff(shares) / np.diff(time) * BASE.values["supply_pressure"]
+    assert speeds.min() == pytest.approx(-1.0 / 2e-5, rel=1e-6)
+    assert speeds.max() > 1.0 / 2e-5
+
+
+def test_orifices_are_those_of_the_blind_plant():
+    time, current = ramps_and_steps(seconds=8.0, seed=1)
+    truth = Truth(
+        "asymmetric_filling", "nozzle", "orifice_vent", {"slow_direction": -1.0, "quick_share": 1 / 6, "slow_time": 0.3}
+    )
+    plain = integrate(dict(BASE.values), time, current, step=1e-5)["position"]
+    expected = integrate(dict(BASE.values), time, current, step=1e-5, effects=(truth,))["position"]
+    shares = {}
+    for share in (0.0, 1.0):
+        found = run(BASE.with_effect("asymmetric_filling", **{**ORIFICES, "orifice_share": share}), time, current)
+        shares[share] = np.std(found - expected) / np.std(plain - expected)
+    assert shares[1.0] < 0.003
+    assert shares[0.0] > 0.1
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_orifices_linearised_are_their_own_slope(share):
+    numbers = with_law("asymmetric_filling").rows()[0]
+    supply = numbers["supply_pressure"]
+    slope = amplifier.quickness(numbers, share * supply * (1.0 + 1e-9), share * supply)
+    assert quickness_at_rest({**BASE.values, **ORIFICES}, share * supply) == pytest.approx(slope, rel=1e-8)

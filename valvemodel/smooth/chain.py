@@ -109,6 +109,7 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects, p.remembers = self.effects, self.remembers
+        p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
         p.highest = [name for name in ("travel_max", "upper_stop") if name in self.parameters]
         p.lowest = [name for name in ("travel_min", "lower_stop") if name in self.parameters]

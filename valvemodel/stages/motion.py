@@ -77,7 +77,8 @@ def plan_stem(p, state):
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.known_duration = state.quiet_duration = -1.0
-    state.trial_step, state.kept_length, state.chamber_rate = math.inf, -1.0, math.nan
+    state.trial_step, state.kept_length = math.inf, -1.0
+    state.chamber_rate = state.filled_rate = math.nan
     state.is_easy = 0.0
 
 

@@ -49,8 +49,15 @@ EFFECTS = (
         stage="nozzle",
         title="asymmetric filling",
         meaning="the amplifier fills and vents at different capacities, down to a rate limit one way",
-        equation=r"\dot P = (P_s - P)/T_\pm,\quad |\dot P| \le 1/|s| \text{ one way}",
-        source="spool amplifier with unequal ports; first order with rate limit",
+        equation=(
+            r"\dot P = (P_s - P)/T_\pm\quad\text{or}\quad "
+            r"T_\pm \dot P/P_1 = \sqrt{1 - P/P_1} - \sqrt{P_1/P_s - 1}\,\sqrt{P/P_1},"
+            r"\quad |\dot P| \le 1/|s| \text{ one way}"
+        ),
+        source=(
+            "spool amplifier with unequal ports, first order with rate limit; or unequal orifices and paper eq. (15), "
+            "whose nozzle is open as the resting pressure P_s has it"
+        ),
         parameters=(
             Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
             Parameter("vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02)),
@@ -62,6 +69,16 @@ EFFECTS = (
                 2e-3,
                 0.0,
                 (1e-5, -1e-5),
+            ),
+            Parameter(
+                "orifice_share",
+                "1",
+                "0: the flow is as the pressure difference; 1: as square roots of pressure differences, by orifices",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction"),

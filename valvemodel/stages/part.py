@@ -120,7 +120,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
         lay_chamber(p, state, memory, spacing, count, slack)
     memory.end_chamber = memory.pressures[count]
     if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
-        end = min(end, lay_amplifier(p, state, memory, spacing, count))
+        end = min(end, lay_amplifier(p, state, memory, spacing, count, slack))
     memory.end_filled = memory.pressures[count]
     if p.leak_ratio != 0.0:
         for node in range(count + 1):
