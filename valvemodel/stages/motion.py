@@ -68,7 +68,6 @@ def plan_stem(p, state):
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length, state.chamber_rate = math.inf, -1.0, math.nan
-    state.is_easy = 0.0
 
 
 @inlined
@@ -202,7 +201,7 @@ def advance_stem(p, state, memory, time, duration, tolerance):
         come_to_rest(state)
         return 0.0
     if memory.part_count == 0.0 and state.plan_closed == 1.0:
-        return advance_slip(p, state, memory, pressure, duration)
+        return advance_slip(p, state, pressure, duration, breaks_away)
     return advance_travel(p, state, memory, time, duration, tolerance)
 
 
@@ -227,7 +226,7 @@ def rests_on_bristles(p, state, memory, time, duration, tolerance):
 
 
 @compiled
-def advance_slip(p, state, memory, pressure, duration):
+def advance_slip(p, state, pressure, duration, breaks_away):
     """Move a linear slip under held forces to its next event or the end of a duration; return the time used. [s]"""
     side, position = state.mode, state.position
     speed = side * state.velocity
@@ -236,8 +235,7 @@ def advance_slip(p, state, memory, pressure, duration):
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0)
     start = (side * thrust(p, position, pressure, 0.0) - coulomb - viscous * speed) / mass
-    memory.trace_count = 0.0
-    if speed == 0.0 and start <= 0.0:
+    if breaks_away and start <= 0.0:
         # Rounding: friction holds it after all.
         come_to_rest(state)
         return duration
