@@ -15,7 +15,10 @@ from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 SEARCH_TOLERANCE = 1e-5
-"""Coarser than the simulator's default: within 0.02 mm of it, a tenth of the noise, and several times faster."""
+"""Coarser than the simulator's default: within 0.02 mm of it, a tenth of the noise, and several times faster. [m]"""
+
+FINE_TOLERANCE = 1e-7
+"""Of runs that are differenced: far below any noise, and several times faster than the simulator's default. [m]"""
 
 LOST = 1e6
 """What counts in place of a residual that is no number. [noise]"""

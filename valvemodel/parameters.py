@@ -49,7 +49,7 @@ STATE = np.dtype(
             "flux_current", "hysteresis", "hysteresis_input",
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
             "part_aim", "rest_drive", "chamber_rate", "filled_rate",
-            "position", "velocity", "mode", "bristle", "trial_step", "is_easy",
+            "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "lagged_reading",
             "plan_linear", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
             "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",

@@ -49,7 +49,11 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     stiffness = tangent_stiffness(p, side, position, pressure, middle) + bristle_stiffness(p, side * bristle, limit)
     start = (side * net - viscous * speed) / mass
-    if speed == 0.0 and SETTLED * viscous <= stiffness * duration and side * net <= stiffness * NEGLIGIBLE_SWING * tolerance:
+    if (
+        speed == 0.0
+        and SETTLED * viscous <= stiffness * duration
+        and side * net <= stiffness * NEGLIGIBLE_SWING * tolerance
+    ):
         shift(p, state, min(side * net / stiffness, room), limit)
         come_to_rest(state)
         return duration

@@ -7,7 +7,6 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
-from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
 from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
@@ -38,17 +37,8 @@ HARD_STOP = 1.0
 RESOLVED = 0.25
 """Longest step over the period of a load, or over the time constant of a drift."""
 
-NEGLIGIBLE = 0.2
-"""Share of the tolerance below which an elastic swing is left out."""
-
-SETTLED = 3.0
-"""Time constants of a creep to its balance after which it is taken to be there."""
-
-AT_ONCE = 0.01
-"""Share of a duration after which a force that is balanced at first shows to which side it goes."""
-
-BARELY = 1e-9
-"""Share of the force to come below which a force is balanced."""
+SETTLED = 0.01
+"""Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
 @compiled
@@ -79,7 +69,6 @@ def plan_stem(p, state):
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
-    state.is_easy = 0.0
 
 
 @inlined
@@ -213,39 +202,22 @@ def advance_stem(p, state, memory, time, duration, tolerance):
         come_to_rest(state)
         return 0.0
     if memory.part_count == 0.0 and state.plan_closed == 1.0:
-        return advance_slip(p, state, memory, pressure, duration)
+        return advance_slip(p, state, pressure, duration, breaks_away)
     return advance_travel(p, state, memory, time, duration, tolerance)
 
 
 @compiled
 def rests_on_bristles(p, state, memory, time, duration, tolerance):
-    """Return whether a stem on bristles has no swing worth following before it, else choose its side.
-
-    A negligible swing is left out: the stem goes to its balance at the end of the duration, along the bristles' curve.
-    """
+    """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
     position = state.position
     net = thrust(p, position, pressure_at(memory, time), time) - state.bristle
-    if memory.part_count > 0.0 or state.plan_varies == 1.0:
-        end = time + duration
-        last = thrust(p, position, pressure_at(memory, end), end) - state.bristle
-        soon = time + AT_ONCE * duration
-        following = thrust(p, position, pressure_at(memory, soon), soon) - state.bristle
-    else:
-        last = following = net
-    side = RISING if last > 0.0 else FALLING
-    pressure = pressure_at(memory, time)
-    limit = limiting_friction(p, side, position, pressure, time, 0.0)
-    stiffness = tangent_stiffness(p, side, position, pressure, time) + bristle_stiffness(p, side * state.bristle, limit)
-    largest = max(max(abs(last), abs(net)), abs(following))
-    if largest <= NEGLIGIBLE * tolerance * stiffness and SETTLED * p.viscous_friction <= stiffness * duration:
-        room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-        way = min(abs(last) / stiffness, max(room, 0.0))
-        state.position += side * way
-        departure = state.bristle - side * limit
-        state.bristle = side * limit + departure * math.exp(-way / (limit * p.presliding_compliance))
-        return True
-    if abs(net) <= BARELY * largest:
-        net = following
+    limit = limiting_friction(p, 0.0, position, pressure_at(memory, time), time, 0.0)
+    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
+    if abs(net) * p.presliding_compliance <= SETTLED * tolerance * max(1.0 - abs(state.bristle) / limit, 1e-9):
+        if is_held:
+            return True
+        later = time + duration
+        net = thrust(p, position, pressure_at(memory, later), later) - state.bristle
     side = RISING if net > 0.0 else FALLING
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     if net == 0.0 or room <= 0.0:
@@ -255,7 +227,7 @@ def rests_on_bristles(p, state, memory, time, duration, tolerance):
 
 
 @compiled
-def advance_slip(p, state, memory, pressure, duration):
+def advance_slip(p, state, pressure, duration, breaks_away):
     """Move a linear slip under held forces to its next event or the end of a duration; return the time used. [s]"""
     side, position = state.mode, state.position
     speed = side * state.velocity
@@ -264,8 +236,7 @@ def advance_slip(p, state, memory, pressure, duration):
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0)
     start = (side * thrust(p, position, pressure, 0.0) - coulomb - viscous * speed) / mass
-    memory.trace_count = 0.0
-    if speed == 0.0 and start <= 0.0:
+    if breaks_away and start <= 0.0:
         # Rounding: friction holds it after all.
         come_to_rest(state)
         return duration

@@ -27,6 +27,9 @@ STANDING = 0.2
 STEP_SHARE = 0.1
 """Share of the tolerance that one step may use."""
 
+SWING_SHARE = 0.02
+"""The same on bristles, whose swings are many steps."""
+
 ROUGH = 0.1
 """Share of its own motion by which a slip may be off while its speed feeds on itself: it would stop for nothing."""
 
@@ -84,12 +87,14 @@ def sweep_step(p, state, memory, length, count, tolerance):
     for power in range(count + 1):
         memory.pull_powers[power] = 0.0
     is_linear = state.plan_linear == 1.0 and (is_held or p.area_slope == 0.0)
+    is_linear = is_linear and response.damping == memory.step_damping and response.stiffness == memory.step_stiffness
     if is_linear:
         for node in range(1, count + 1):
             memory.ways[node], memory.speeds[node] = 0.0, memory.step_speed
     else:
         lay_motion(memory, count)
-    moved, left, allowed = math.inf, math.inf, STEP_SHARE * tolerance
+    share = SWING_SHARE if p.presliding_compliance > 0.0 else STEP_SHARE
+    moved, left, allowed = math.inf, math.inf, share * tolerance
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
         way, speed = memory.ways[count], memory.speeds[count]
@@ -100,7 +105,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
         left = 0.0 if is_linear else moved * min(moved / before, 1.0) if before < math.inf else moved
         if memory.step_damping < 0.0:
             extent = abs(memory.ways[count]) + state.plan_response * abs(memory.speeds[count])
-            allowed = min(STEP_SHARE * tolerance, ROUGH * extent)
+            allowed = min(share * tolerance, ROUGH * extent)
         if left <= STANDING * allowed:
             break
     else:

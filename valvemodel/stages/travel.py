@@ -21,9 +21,6 @@ UNSTABLE = 3.0
 BEYOND = 1.05
 """Longest step over the time to the stop that the linear part alone foresees."""
 
-EASY = 1e-4
-"""Share of what a step may be off below which the next tries fewer nodes."""
-
 MEETING = 1e-3
 """Share of the tolerance within which an event is met."""
 
@@ -41,27 +38,22 @@ NOTHING, STOP, LIMIT, CONTACT, REST = 0, 1, 2, 3, 4
 def advance_travel(p, state, memory, time, duration, tolerance):
     """Move a slip by one step, to its next event at most; return the time used. [s]"""
     begin_step(p, state, memory, time)
-    if 0.0 < memory.step_speed * state.plan_response <= MEETING * tolerance and memory.step_start <= 0.0:
+    if memory.step_speed * state.plan_response <= MEETING * tolerance and memory.step_start <= 0.0:
         # The rest of a creep is below the tolerance.
         come_to_rest(state)
         return 0.0
-    count = COARSE_NODES if is_coarse(tolerance) or state.is_easy == 1.0 else NODES
+    count = COARSE_NODES if is_coarse(tolerance) else NODES
     step = first_length(state, memory, duration)
     while True:
         error = sweep_step(p, state, memory, step, count, tolerance)
         if error <= 1.0 or step <= SHORTEST_STEP:
             break
-        if count == COARSE_NODES and not is_coarse(tolerance):
-            count, state.is_easy = NODES, 0.0
-            continue
         # The error falls with a high power of the length.
         is_far = not error <= 2.0 ** (count + 2)
         step = max(step * (0.25 if is_far else 0.5), SHORTEST_STEP)
         state.trial_step = step
     if error < 0.5 ** (count + 3):
         state.trial_step = max(state.trial_step, 2.0 * step)
-    if count == NODES and error < EASY:
-        state.is_easy = 1.0
     ended = NOTHING
     room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
     contact = math.inf
