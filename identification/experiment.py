@@ -152,7 +152,6 @@ def simulate_rows(
     experiment: Experiment,
     rows: np.ndarray,
     *,
-    substep: float,
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     with_pressure: bool = False,
@@ -171,7 +170,7 @@ def simulate_rows(
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     runs.run_chain(
         rows, states, np.zeros(1, MEMORY), experiment.time, experiment.current, anchors, chain.CURRENT,
-        substep, tolerance, position, pressure, mode,
+        tolerance, position, pressure, mode,
     )  # fmt: skip
     return Simulated(position, pressure, mode)
 
@@ -193,7 +192,6 @@ def score_rows(
     used: np.ndarray,
     rows: np.ndarray,
     *,
-    substep: float,
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     in_closed_form: bool = False,
@@ -206,6 +204,6 @@ def score_rows(
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     runs.score_rows(
         rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, anchors,
-        chain.CURRENT, substep, tolerance, np.empty((1, len(measured))), sums,
+        chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
     )  # fmt: skip
     return sums

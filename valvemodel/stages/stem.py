@@ -362,6 +362,17 @@ def is_linear(p):
 
 
 @compiled
+def has_held_limit(p):
+    """Return whether the force that bristles approach is the same along a slip to one side."""
+    return (
+        breakaway_ratio(p) == 1.0
+        and p.tight_spot_excess == 0.0
+        and p.friction_area == 0.0
+        and p.friction_drift_rate == 0.0
+    )
+
+
+@compiled
 def varies_in_time(p):
     """Return whether the forces on the stem change under a held pressure and position."""
     return p.load_sine != 0.0 or p.load_cosine != 0.0 or p.friction_drift_rate != 0.0
@@ -382,9 +393,10 @@ def lowest_position(p):
 @compiled
 def stribeck_excess(p, coulomb, speed):
     """Return the friction above Coulomb's at a speed. [N]"""
-    relative = abs(speed) / p.stribeck_velocity
+    # A trial may run past the stop; the friction goes on smoothly there.
+    relative = max(speed / p.stribeck_velocity, -1.0)
     if p.stribeck_shape != 1.0:
-        relative = relative**p.stribeck_shape
+        relative = abs(relative) ** p.stribeck_shape
     return coulomb * (p.stribeck_ratio - 1.0) * math.exp(-relative)
 
 
