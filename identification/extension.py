@@ -39,6 +39,9 @@ class Trial:
 ANSWER = 0.5
 """Farthest that an unknown of the fit moves in answer to a start of an effect, scaled."""
 
+WORTH_POLISHING = 1e-3
+"""Share of the error that a search must have gained to be followed to its end."""
+
 SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
@@ -80,10 +83,9 @@ def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_glob
         ]
         followed = [(each, descend(each, point, evaluations=12, precision=1e-3)) for each, point in starts]
         problem, best = min(followed, key=lambda pair: pair[1].error)
-    best = descend(problem, best.point, evaluations=20, precision=1e-6)
-    if best.error > fit.found.error and not effect.is_chaotic:
-        problem, best = near_neutral(fit, effect, trials)
-    return finished(problem, best)
+    if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
+        return finished(*near_neutral(fit, effect, trials))
+    return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:
@@ -106,7 +108,7 @@ def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem
         for each in effect.parameters
     }
     problem, point = joined(fit.problem, fit.found.point, effect, small)
-    best = descend(problem, point, evaluations=20, precision=1e-6)
+    best = descend(problem, point, evaluations=10, precision=1e-4)
     if best.error <= fit.found.error:
         return problem, best
     problem, point = joined(fit.problem, fit.found.point, effect, neutral)
