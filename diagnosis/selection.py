@@ -21,6 +21,9 @@ from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
+GENEROUS = 4.0
+"""Factor by which two effects may leave more than one, in square, before a third is looked for."""
+
 LEADERS = 2
 """Best causes that are tried with one more effect."""
 
@@ -30,7 +33,7 @@ SHORTLIST, SHORTLIST_BACK = 6, 4
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
 
-GOOD_ENOUGH = 1.2
+GOOD_ENOUGH = 1.3
 """Mean weighted square up to which what is left is below notice."""
 
 FORM_SHARE = 0.05
@@ -168,7 +171,7 @@ def try_together(
     tried, base = list(alone), alone[0]
     single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
     for size in range(2, MOST_EFFECTS + 1):
-        if explains(min(tried, key=misfit), base):
+        if explains(min(tried, key=misfit), base, generous=size > 2):
             break
         order = best_of(tried, size - 1)
         leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
@@ -222,14 +225,14 @@ def misfit(candidate: Candidate) -> float:
     return candidate.score.misfit
 
 
-def explains(candidate: Candidate, base: Candidate) -> bool:
+def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:
     """Return whether a cause leaves so little that no further effect is looked for.
 
     What is left is below notice, beside a small part of what the base left: as much as the right effect leaves when it
-    has another form than ours.
+    has another form than ours; several effects, judged generously, leave more.
     """
-    before = max(misfit(base) - 1.0, 0.0)
-    return misfit(candidate) < GOOD_ENOUGH + FORM_SHARE**2 * before
+    allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
+    return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
 
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:

@@ -59,7 +59,8 @@ def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_glob
     known : dict or None
         Values of the effect from another fit, one more start. [SI]
     is_global : bool
-        Whether an effect whose error has many minima is searched for globally, which takes seconds.
+        Whether an effect whose error has many minima is searched for globally, which takes seconds, and whether each
+        choice of a number that no fit moves is followed on its own.
 
     Returns
     -------
@@ -73,19 +74,20 @@ def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_glob
         searched = [search_jagged(fit, effect, group) for group in alike(effect, trials)]
         problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
-        starts = [
-            (trial.problem, point)
-            for group in alike(effect, trials)
-            for trial, point in [
-                *((trial, trial.point) for trial in group[:KEPT_STARTS]),
-                (group[0], as_given(fit, group[0])),
-            ]
-        ]
-        followed = [(each, descend(each, point, evaluations=12, precision=1e-3)) for each, point in starts]
-        problem, best = min(followed, key=lambda pair: pair[1].error)
+        groups = alike(effect, trials) if is_global else [trials]
+        problem, best = min((followed(fit, group) for group in groups), key=lambda pair: pair[1].error)
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:
+    """Follow the most promising starts some way down, and the best of them further."""
+    starts = [(trial.problem, trial.point) for trial in group[:KEPT_STARTS]]
+    starts.append((group[0].problem, as_given(fit, group[0])))
+    begun = [(problem, descend(problem, point, evaluations=5, precision=1e-3)) for problem, point in starts]
+    problem, best = min(begun, key=lambda pair: pair[1].error)
+    return problem, descend(problem, best.point, evaluations=10, precision=1e-3)
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:
