@@ -202,9 +202,7 @@ def extensions(
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
-                work.append(
-                    Work(leader.fit, effects, single[key], leader is leaders[0] and effect_of_key(key).is_chaotic)
-                )
+                work.append(Work(leader.fit, effects, single[key]))
     return work
 
 

@@ -23,7 +23,7 @@ WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
 SEARCH_SIZE = 3
-SEARCH_GENERATIONS, CHAOTIC_GENERATIONS = 70, 40
+SEARCH_GENERATIONS, CHAOTIC_GENERATIONS = 70, 30
 """Points of a global search for each unknown, and generations: fewer where a run takes long and ends nowhere exact."""
 
 
