@@ -45,6 +45,9 @@ NEAR_THE_BEST = 2.0
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
+SHORTLIST_CHAOTIC = 2
+"""The same on top of a cause whose runs take long."""
+
 LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
 
@@ -175,6 +178,8 @@ def try_together(
             break
         order = best_of(tried, size - 1)
         leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+        if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
+            break
         what = f"{size} effects together"
         tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
         if not best_of(tried, size):
@@ -198,7 +203,8 @@ def extensions(
     known = {frozenset(each.effects) for each in tried}
     work: list[Work] = []
     for leader in leaders:
-        for key in shortlist(leader.fit, single, count):
+        is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
+        for key in shortlist(leader.fit, single, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
@@ -247,7 +253,8 @@ def shortlist(fit: Fit, single: dict[str, dict[str, float]], count: int) -> list
         key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
     }
     order = sorted(keys, key=lambda key: -gains[key])
-    certain = [key for key in keys if effect_of_key(key).stops_again] if stops_seen(fit) else []
+    has_cause = any(effect_of_key(key).stops_again for key in fit.model.effects)
+    certain = [key for key in keys if effect_of_key(key).stops_again] if not has_cause and stops_seen(fit) else []
     return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
 
 
