@@ -52,6 +52,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
 ROUNDING = 1e-14
 """Of the simulator's values, whose differences are taken."""
 
+
 @pytest.mark.parametrize(("name", "mode"), list(product(CASES, ("rising", "falling"))))
 def test_slip_answers_as_the_exact_simulator_differs(name, mode):
     model = CASES[name]
