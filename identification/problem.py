@@ -15,7 +15,7 @@ from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
 SEARCH_TOLERANCE = 1e-5
-"""Coarser than the simulator's default: within 0.02 mm of it, a tenth of the noise, and several times faster. [m]"""
+"""Coarser than the simulator's default: within 0.05 mm of it, a part of the noise, and several times faster. [m]"""
 
 FINE_TOLERANCE = 1e-7
 """Of runs that are differenced: far below any noise, and several times faster than the simulator's default. [m]"""
