@@ -115,7 +115,7 @@ def test_help_starts_without_the_heavy_libraries():
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
     assert "diagnose" in done.stdout
     loaded = set(json.loads(done.stderr))
-    for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "rich"):
+    for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "pandas", "rich"):
         assert heavy not in loaded, heavy
 
 

@@ -17,8 +17,6 @@ from valvemodel.errors import InputError
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import Limits
-    from valvemodel.model import Model
-    from valvemodel.records import Record
 
 
 @click.command(
@@ -81,12 +79,14 @@ def diagnose(
     if next_file is not None:
         check_next_file(next_file, out, paths)
         limits = limits_of(next_duration, next_range, next_rate)
+    from diagnosis.by_kind import diagnose as find_causes
+
     model, rated_travel = valve_model(valve)
     with progress_shown(is_quiet=quiet) as progress:
         records = measured_records(paths, model, rated_travel)
         if limits is not None and records[0].kind != "time":
             raise InputError("a next experiment is designed from time records", "these have none", "record over time")
-        diagnosis = _diagnosed(records, model, jobs, progress)
+        diagnosis: Any = find_causes(records, model, jobs=jobs, progress=progress)
         if limits is not None and next_file is not None:
             diagnosis = _with_next_experiment(diagnosis, limits, next_file, progress)
         progress("drawing the report", 0.95)
@@ -145,14 +145,3 @@ def _with_next_experiment(diagnosis: Any, limits: Limits, path: Path, progress: 
     from diagnosis.next_experiment import next_experiment
 
     return replace(diagnosis, next_experiment=next_experiment(diagnosis, limits, name=path.name, progress=progress))
-
-
-def _diagnosed(records: Sequence[Record], model: Model, jobs: int | None, progress: Report) -> Any:
-    if all(record.kind == "stem" for record in records):
-        from diagnosis.stem_only import diagnose_stem_records
-
-        progress("force balance of the stem", 0.0)
-        return diagnose_stem_records(records, model)
-    from diagnosis.diagnosing import diagnose as find_causes
-
-    return find_causes(records, model, jobs=jobs, progress=progress)

@@ -124,16 +124,7 @@ def simulate(
         measured=record.position,
         reanchor=reanchor if reanchor in (None, AT_REST) else parse_quantity(reanchor, unit="s"),
     )
-    write_table(
-        out,
-        {
-            "time [s]": trajectory.time,
-            "current [mA]": 1e3 * trajectory.current,
-            "pressure [kPa]": 1e-3 * trajectory.pressure,
-            "position [mm]": 1e3 * trajectory.position,
-            "mode": trajectory.mode_names,
-        },
-    )
+    write_table(out, trajectory.columns())
     click.echo(f"wrote {out}: {len(record)} rows", err=True)
     if events_file is not None:
         events = trajectory.events
