@@ -23,6 +23,9 @@ FRONT_UNKNOWNS = ("gap_offset", "gap_gain")
 WIDEST = 8
 """An error of the pressure is averaged over at most 2**8 + 1 neighbouring samples."""
 
+PRESSURE_AT_NOISE, POSITION_AT_NOISE = 1.15, 1.4
+"""Gap over the noise up to which a half is right; what is left of the pressure's noise moves the stem a little."""
+
 CONSISTENT = 3.0
 """Standard errors within which a wider mean of the error agrees with the narrower ones."""
 
@@ -55,12 +58,14 @@ class StageGaps:
         return float(2.0 * np.nanmean(front * back))
 
     @property
-    def shares(self) -> tuple[float, float]:
-        """Share of front and of back in their mean squares together, the reading's noise taken out; 0, 0 if none."""
+    def shares(self) -> tuple[float, float] | tuple[None, None]:
+        """Share of front and of back in their mean squares together, noise taken out; None where both are at it."""
+        is_front_right = rms(self.pressure) <= PRESSURE_AT_NOISE * self.pressure_noise
+        if is_front_right and rms(self.back) <= POSITION_AT_NOISE * self.position_noise:
+            return None, None
         front = rms(self.front) ** 2
         back = max(rms(self.back) ** 2 - self.position_noise**2, 0.0)
-        whole = front + back
-        return (front / whole, back / whole) if whole > 0.0 else (0.0, 0.0)
+        return front / (front + back), back / (front + back)
 
 
 def rms(parts: Sequence[np.ndarray]) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from diagnosis.report.where import half_of_chain
 from diagnosis.report.words import NO_BREAK_SPACE, Answer, capitalised, make_answer, printable, tied
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def print_answer(diagnosis: Mapping[str, Any], console: Console, places: Mapping
     _print(console, answer.headline, style=_COLOURS.get(answer.verdict, "bold yellow"))
     _print(console, " ".join(part for part in (answer.explanation, answer.confidence) if part))
     _print(console, "")
-    _print_labelled(console, "Where", [" ".join(answer.where)])
+    _print_labelled(console, "Where", [" ".join((*answer.where, *half_of_chain(diagnosis)))])
     _print_labelled(console, "How far", _how_far(answer))
     _print_labelled(console, "Causes", _causes(answer))
     _print_labelled(console, "Cannot tell", _cannot_tell(answer))

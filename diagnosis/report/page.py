@@ -16,6 +16,7 @@ from diagnosis.report.amounts import amount, probability_text
 from diagnosis.report.curves import curves_picture
 from diagnosis.report.evidence import Evidence, RecordEvidence
 from diagnosis.report.heatmap import heat_map_picture
+from diagnosis.report.where import where_section
 from diagnosis.report.words import Answer, cause_title, make_answer, printable, tied
 from valvemodel.files import write_text
 
@@ -57,6 +58,7 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
     shown = evidence.records[:_SHOWN_RECORDS]
     page = _template().render(
         answer=answer,
+        where=where_section(diagnosis),
         evidence=evidence,
         summary_pictures=_summary_pictures(answer, evidence),
         records=[
