@@ -93,7 +93,8 @@ def stage_gaps(experiments: Sequence[Experiment], base: Fit) -> StageGaps:
     off = [experiment.pressure - made for experiment, made in zip(experiments, simulated, strict=True)]
     quiet = [without_noise(error, each.pressure_noise) for error, each in zip(off, experiments, strict=True)]
     driven = [
-        driven_by(experiment, made + error) for experiment, made, error in zip(experiments, simulated, quiet, strict=True)
+        driven_by(experiment, made + error)
+        for experiment, made, error in zip(experiments, simulated, quiet, strict=True)
     ]
     back = back_of(driven, base)
     followed = [back.simulated_on(each).position[0] for each in driven]

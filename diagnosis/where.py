@@ -145,10 +145,7 @@ def of_corrections(experiments: Sequence[Experiment], base: Fit) -> Where:
         "sensor": (after, "reading", "m", after.values, stretch.position),
     }
     return Where(
-        [
-            of_correction(stage, *output, missed=missed, noise=stretch.noise)
-            for stage, output in outputs.items()
-        ],
+        [of_correction(stage, *output, missed=missed, noise=stretch.noise) for stage, output in outputs.items()],
         total=missed,
         cross_term=None,
         record=stretch.name,

@@ -126,5 +126,25 @@ def test_map_of_the_repository_is_what_the_packages_say():
     assert module.drawn() in text_of("README.md"), "run `python docs/map.py`"
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if page.endswith(".md")])
+def test_links_of_a_page_lead_somewhere(page: str):
+    folder = (ROOT / page).parent
+    for target in re.findall(r"\]\(([^)\s]+)\)", text_of(page)):
+        place, _, anchor = target.partition("#")
+        if not place.startswith("https://"):
+            assert (folder / place).exists() if place else True, f"{page} links to {target}"
+        if anchor and not place:
+            assert re.search(rf"^#+ {anchor}$", text_of(page), re.MULTILINE | re.IGNORECASE), (
+                f"{page} links to {target}"
+            )
+
+
+def test_picture_of_the_readme_is_light():
+    pictures = re.findall(r"!\[[^\]]{40,}\]\((docs/pictures/[\w.]+)\)", text_of("README.md"))
+    assert pictures, "the README shows a diagnosis, and says what it shows"
+    for picture in pictures:
+        assert (ROOT / picture).stat().st_size < 60_000
+
+
 def test_every_command_has_its_page():
     assert {path.stem for path in (ROOT / "docs" / "how_to").glob("*.md")} == set(COMMANDS)

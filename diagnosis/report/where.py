@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnosis.report.amounts import amount, is_number, percent
-from diagnosis.report.words import STAGE_PARTS, listed
+from diagnosis.report.naming import STAGE_PARTS, listed
 
 _MOSTLY = 0.8
 """Share of the gap from which it lies in one half of the chain."""
@@ -40,10 +40,9 @@ class MapCell:
 
 @dataclass(frozen=True)
 class WhereSection:
-    """What the page says of stages and regimes; `half` is for the first screen, where the pressure was measured."""
+    """What the page says of stages and regimes."""
 
     is_measured: bool
-    half: tuple[str, ...]
     sentences: tuple[str, ...]
     rows: tuple[StageRow, ...]
     map_columns: tuple[str, ...]
@@ -59,7 +58,6 @@ def where_section(diagnosis: Mapping[str, Any]) -> WhereSection:
     sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where)
     return WhereSection(
         is_measured,
-        half_of_chain(diagnosis),
         sentences,
         tuple(_row(stage) for stage in stages),
         tuple(regime_map["columns"]),
