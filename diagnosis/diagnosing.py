@@ -14,11 +14,13 @@ from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
 from diagnosis.judgement import Judgement, judge, rivals_of
+from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
+from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
@@ -112,6 +114,8 @@ class Diagnosis(Told):
     stage: str | None
     stage_probability: dict[str, float]
     regimes: list[Regime]
+    regime_map: RegimeMap
+    stage_gaps: Where
     causes: list[Cause]
     unknown_probability: float
     as_given: Errors
@@ -139,8 +143,10 @@ class Diagnosis(Told):
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
+        content = content_of(self)
+        content["where"] |= {"regime_map": self.regime_map.as_json(), **self.stage_gaps.as_json()}
         return {
-            **content_of(self),
+            **content,
             "gap": {
                 "unit": "m",
                 "as_given": self.as_given.rms,
@@ -256,16 +262,15 @@ def diagnose(
     stage_probability = stages_of(causes, judgement.unknown)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
     runs = [whole_base.simulated_on(each) for each in experiments]
-    regimes = regimes_of(
-        experiments,
-        [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)],
-        [run.mode[0] for run in runs],
-    )
+    residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
+    modes = [run.mode[0] for run in runs]
     return Diagnosis(
         verdict=verdict,
         stage=named[0] if verdict != "none" and stage_probability[named[0]] > 0.0 else None,
         stage_probability=stage_probability,
-        regimes=regimes,
+        regimes=regimes_of(experiments, residuals, modes),
+        regime_map=regime_map(experiments, residuals, modes),
+        stage_gaps=where_of(experiments, whole_base),
         causes=causes,
         unknown_probability=judgement.unknown,
         as_given=as_given,

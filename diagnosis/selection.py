@@ -98,6 +98,8 @@ def workers(jobs: int | None = None) -> Iterator[Executor | None]:
     if jobs == 1:
         yield None
         return
+    # A fork server takes 1 to 2.5 s to import the simulator. A fork beside the idle threads of polars, which read the
+    # records, is safe as long as no work in here reads or writes tables: the children never call polars.
     pool = ProcessPoolExecutor(jobs, mp_context=get_context("fork"))
     try:
         yield pool

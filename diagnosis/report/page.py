@@ -14,6 +14,7 @@ from diagnosis.report import pictures
 from diagnosis.report.evidence import Evidence
 from diagnosis.report.naming import printable, tied
 from diagnosis.report.svg import equation_picture
+from diagnosis.report.where import where_section
 from diagnosis.report.words import Answer, make_answer
 from valvemodel.files import write_text
 
@@ -35,6 +36,7 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
     shown = evidence.records[:_SHOWN_RECORDS]
     page = page_template().render(
         answer=answer,
+        where=where_section(diagnosis),
         evidence=evidence,
         summary_pictures=pictures.summary_pictures(evidence),
         records=[

@@ -29,6 +29,7 @@ from diagnosis.report.headline import confidence_of, explanation_of, headline_of
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import StageWords, regimes_of, stages_of, where_of
 from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of
+from diagnosis.report.where import half_of_chain
 
 _SHOWN_CAUSES = 8
 
@@ -119,7 +120,7 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         headline=headline_of(diagnosis),
         explanation=explanation_of(diagnosis),
         confidence=confidence_of(diagnosis),
-        where=where_of(diagnosis),
+        where=(*where_of(diagnosis), *half_of_chain(diagnosis)),
         stages=stages_of(diagnosis),
         closes=closes_of(diagnosis),
         gap_rows=gap_rows_of(diagnosis),

@@ -1,0 +1,178 @@
+"""Where: what each stage of the chain would have to answer for, from measured inputs or smallest corrections."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from diagnosis.corrections import PLACES, Correction, smallest_correction, stretch_of
+from diagnosis.residual_curves import gap_at
+from diagnosis.stage_gaps import BACK, FRONT, StageGaps, rms, stage_gaps
+from identification.experiment import Experiment
+from identification.fit import Fit, simulate_model
+
+MEASURED, CORRECTED = "measured input", "smallest correction"
+"""How the gap of a stage was found."""
+
+
+@dataclass(frozen=True)
+class StageGap:
+    """What some stages answer for.
+
+    Attributes
+    ----------
+    stages : tuple of str
+    method : str
+        `MEASURED`: the measured input in, the output compared with the measured one. `CORRECTED`: the smallest
+        correction of the output that would explain the record.
+    signal, unit : str
+        The output.
+    gap : float [unit]
+        Root mean square of the error, or of the correction.
+    noise : float or None [unit]
+        Of the measured output.
+    gap_as_position : float [m]
+        What that does to the reading, root mean square.
+    share : float or None
+        Of the mean squares of all stages, noise taken out; only where the inputs were measured.
+    share_of_range : float
+        The gap over the range of the signal in the record.
+    closed : float or None
+        Share of the squared gap above the noise that the correction closes.
+    freedom : float or None
+        Independent numbers that the correction takes.
+    """
+
+    stages: tuple[str, ...]
+    method: str
+    signal: str
+    unit: str
+    gap: float
+    noise: float | None
+    gap_as_position: float
+    share: float | None
+    share_of_range: float
+    closed: float | None = None
+    freedom: float | None = None
+
+
+@dataclass(frozen=True)
+class Where:
+    """The stages side by side.
+
+    Attributes
+    ----------
+    stages : list of StageGap
+    total, cross_term : float [m], [m^2]
+        Root mean square of the whole error of position, and what its square has beyond the stages' squares; the cross
+        term is None where nothing adds up: each correction alone would explain the record.
+    record : str or None
+        The one record that was corrected.
+    """
+
+    stages: list[StageGap]
+    total: float
+    cross_term: float | None
+    record: str | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what the `where` of diagnosis.json has of it."""
+        return {
+            "stages": [vars(each) | {"stages": list(each.stages)} for each in self.stages],
+            "stages_sum": {"unit": "m", "total": self.total, "cross_term": self.cross_term, "record": self.record},
+        }
+
+
+def where_of(experiments: Sequence[Experiment], base: Fit) -> Where:
+    """Say what each stage answers for: by the measured pressure where all records have it, else by corrections.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+    base : Fit
+        Of the base to all of them.
+    """
+    if all(experiment.pressure is not None for experiment in experiments):
+        return of_measured(stage_gaps(experiments, base), experiments)
+    return of_corrections(experiments, base)
+
+
+def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
+    """Put the two halves of the chain side by side; sample by sample they add up to the whole error."""
+    front_share, back_share = gaps.shares
+    pressures = np.concatenate([np.asarray(each.pressure) for each in experiments])
+    positions = np.concatenate([each.position for each in experiments])
+    pressure, back = rms(gaps.pressure), rms(gaps.back)
+    return Where(
+        [
+            StageGap(
+                FRONT, MEASURED, "pressure", "Pa", pressure, gaps.pressure_noise, rms(gaps.front), front_share,
+                pressure / range_of(pressures),
+            ),
+            StageGap(
+                BACK, MEASURED, "position", "m", back, gaps.position_noise, back, back_share, back / range_of(positions)
+            ),
+        ],
+        total=rms([front + back for front, back in zip(gaps.front, gaps.back, strict=True)]),
+        cross_term=gaps.cross_term,
+    )  # fmt: skip
+
+
+def of_corrections(experiments: Sequence[Experiment], base: Fit) -> Where:
+    """Correct the output of each stage in turn, in the record that the base misses most."""
+    errors = [each.position - base.simulated_on(each).position[0] for each in experiments]
+    number = int(np.argmax([rms([error]) / each.noise for error, each in zip(errors, experiments, strict=True)]))
+    stretch, first = stretch_of(experiments[number], errors[number])
+    start = base.starts[number] if first == 0 else stretch.first_reading
+    before, after = (smallest_correction(stretch, base, start, place) for place in PLACES)
+    simulated = simulate_model(base.model, stretch, start_position=start)
+    missed = rms([stretch.position - simulated.position[0]])
+    values = base.model.values
+    pressure = simulated.pressure[0]
+    by_pressure = before.values * values["spring_rate"] / values["diaphragm_area"]
+    if values["pressure_per_current"] > 0.0:
+        opening = "current", "A", by_pressure / values["pressure_per_current"], stretch.current
+    else:
+        gap = gap_at(pressure, base.model)
+        opening = "gap", "m", gap_at(pressure + by_pressure, base.model) - gap, gap
+    outputs = {
+        "electromagnet": (before, *opening),
+        "nozzle": (before, "pressure", "Pa", by_pressure, pressure),
+        "stem": (before, "force", "N", before.values * values["spring_rate"], values["diaphragm_area"] * pressure),
+        "sensor": (after, "reading", "m", after.values, stretch.position),
+    }
+    return Where(
+        [of_correction(stage, *output, missed=missed, noise=stretch.noise) for stage, output in outputs.items()],
+        total=missed,
+        cross_term=None,
+        record=stretch.name,
+    )
+
+
+def of_correction(
+    stage: str,
+    correction: Correction,
+    signal: str,
+    unit: str,
+    values: np.ndarray,
+    output: np.ndarray,
+    *,
+    missed: float,
+    noise: float,
+) -> StageGap:
+    """Say how large the correction of one stage's output is, in the unit of that output."""
+    reducible = missed**2 - noise**2
+    closed = float(np.clip((missed**2 - correction.left**2) / reducible, 0.0, 1.0)) if reducible > 0.0 else None
+    size = rms([values])
+    return StageGap(
+        (stage,), CORRECTED, signal, unit, size, None, rms([correction.values]), None, size / range_of(output), closed,
+        correction.freedom,
+    )  # fmt: skip
+
+
+def range_of(signal: np.ndarray) -> float:
+    """Return the range of all that is known of a signal."""
+    return float(np.nanmax(signal) - np.nanmin(signal)) or 1.0
