@@ -36,6 +36,13 @@ CHATTER = 64
 """Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
 
+MOST_STEPS, STEPS_PER_SECOND = 2000, 1e5
+"""Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
+
+COARSEST = 1.0
+"""A tolerance beyond all travel. [m]"""
+
+
 @compiled
 def has_pressure_dynamics(p):
     """Return whether the pressure moves while the current is held."""
@@ -65,19 +72,19 @@ def maps_plainly(p):
 
 
 @compiled
-def plan_run(p, state, driven_by):
+def plan_run(p, state, driven_by, tolerance):
     """Write down once a run what does not change during it."""
-    plan_stem(p, state)
+    plan_stem(p, state, tolerance)
     state.lag_duration = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     state.plan_current = driven_by == CURRENT
     state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
 
 
-@apart(RECORDS, 3)
-def start_chain(p, state, memory, drive, driven_by, time):
+@apart(RECORDS, 4)
+def start_chain(p, state, memory, drive, driven_by, time, tolerance):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
-    plan_run(p, state, driven_by)
+    plan_run(p, state, driven_by, tolerance)
     if driven_by == CURRENT:
         rest_electromagnet(p, state, drive)
         gap = gap_of_current(p, state.hysteresis_input, time)
@@ -121,9 +128,15 @@ def note_events(state, memory, time, step, before, mode_before):
 
 @apart(RECORDS, 3)
 def move_by_events(p, state, memory, time, duration, tolerance):
-    """Move stem and sensor through a duration of the part, from event to event."""
-    used, in_a_row, pause = 0.0, 0, SHORTEST_STEP
-    while used < duration:
+    """Move stem and sensor through a duration of the part, from event to event.
+
+    What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
+    """
+    used, in_a_row, pause, steps = 0.0, 0, SHORTEST_STEP, 0
+    while used < duration and tolerance <= COARSEST:
+        steps += 1
+        if steps > MOST_STEPS + STEPS_PER_SECOND * duration:
+            tolerance, steps = 10.0 * tolerance, 0
         before, mode_before = state.position, state.mode
         memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
         state.trace_next_velocity = state.trace_next_acceleration = 0.0

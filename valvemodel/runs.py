@@ -182,7 +182,7 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
     held = np.empty(time.shape[0])
     for row in range(rows.shape[0]):
         p, state, memory = rows[row], states[row], memories[0]
-        start_chain(p, state, memory, drive[0], driven_by, time[0])
+        start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
         if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(p, state, time):
             run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
             continue
@@ -249,7 +249,7 @@ def trace_chain(rows, states, memories, time, drive, anchors, tolerance, samples
         How many events there were.
     """
     p, state, ahead, memory = rows[0], states[0], states[1], memories[0]
-    start_chain(p, state, memory, drive[0], CURRENT, time[0])
+    start_chain(p, state, memory, drive[0], CURRENT, time[0], tolerance)
     before, mode_before = state.position, state.mode
     instant, found = 0, 0
     for sample in range(time.shape[0]):

@@ -16,9 +16,9 @@ from valvemodel.trajectory import TOLERANCE
 
 
 @compiled
-def _start(rows, states, memories, current, time):
+def _start(rows, states, memories, current, time, tolerance):
     """Put a valve at rest and return its reading. [m]"""
-    chain.start_chain(rows[0], states[0], memories[0], current, chain.CURRENT, time)
+    chain.start_chain(rows[0], states[0], memories[0], current, chain.CURRENT, time, tolerance)
     return read_sensor(rows[0], states[0], time)
 
 
@@ -72,7 +72,7 @@ class SteppedValve:
         self._preload = float(self._rows["spring_preload"][0])
         self._states = np.zeros(1, STATE)
         self._memories = np.zeros(1, MEMORY)
-        self.reading: float = _start(self._rows, self._states, self._memories, _checked(current), 0.0)
+        self.reading: float = _start(self._rows, self._states, self._memories, _checked(current), 0.0, tolerance)
 
     def step(self, current: float, duration: float) -> float:
         """Hold a current [A] for a duration [s] and return the reading at its end. [m]

@@ -30,7 +30,7 @@ REPEATS = 5
 def run_loop(rows, states, memories, set_points, tolerance, readings):
     """Close the loop around the compiled chain."""
     p, state, memory = rows[0], states[0], memories[0]
-    start_chain(p, state, memory, START, CURRENT, 0.0)
+    start_chain(p, state, memory, START, CURRENT, 0.0, tolerance)
     integral = START
     for sample in range(set_points.shape[0]):
         reading = read_sensor(p, state, sample * PERIOD)

@@ -17,6 +17,7 @@ from identification.problem import SEARCH_TOLERANCE
 from valvemodel import chain, runs
 from valvemodel.effects import effect_of_key
 from valvemodel.parameters import MEMORY, STATE
+from valvemodel.trajectory import TOLERANCE
 
 BASE = base_model()
 TIME, CURRENT = ramps_and_steps(seconds=16.0, seed=4)
@@ -205,3 +206,15 @@ def test_long_holds_equal_short_ones(period, key):
     long = run(model, time, current)
     short = run(model, finer, np.repeat(current, parts))[::parts]
     assert np.abs(long - short).max() < 1e-9
+
+
+@pytest.mark.parametrize("damping", [1.59, 612.9])
+@pytest.mark.parametrize("tolerance", [TOLERANCE, SEARCH_TOLERANCE])
+@pytest.mark.parametrize("compliance", [1e-17, 1e-15, 1e-13, 1e-11, 1e-10])
+def test_stiff_bristles_are_nearly_dry_friction(damping, tolerance, compliance):
+    """Whether they are followed, coarsely followed as too much work, or taken for rigid."""
+    base = base_model(viscous_friction=damping)
+    stiff = base.with_effect("presliding", presliding_compliance=compliance)
+    some = slice(0, 40)
+    found = run(stiff, TIME[some], CURRENT[some], tolerance=tolerance)
+    assert np.abs(found - run(base, TIME[some], CURRENT[some])).max() < 2e-5

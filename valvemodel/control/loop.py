@@ -54,7 +54,7 @@ def _run(
 ):  # fmt: skip
     """Run a closed loop; the last four arrays are overwritten."""
     p, state, memory, s, m = rows[0], states[0], memories[0], settings[0], recollections[0]
-    start_chain(p, state, memory, start_current, CURRENT, 0.0)
+    start_chain(p, state, memory, start_current, CURRENT, 0.0, tolerance)
     preload = p.spring_preload
     now = 0.0
     for sample in range(setpoint.shape[0]):

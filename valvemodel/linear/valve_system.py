@@ -43,7 +43,7 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
     memories = np.zeros(1, MEMORY)
     under_way = _under_way(model, period)
     start = np.zeros(1, STATE)
-    stepping._start(rows, start, memories, current, 0.0)
+    stepping._start(rows, start, memories, current, 0.0, TOLERANCE)
 
     def update(time: float, states: np.ndarray, drives: np.ndarray, parameters: dict) -> np.ndarray:
         state, line = _split(states, under_way)

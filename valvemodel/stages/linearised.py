@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.presliding import bristle_stiffness
-from valvemodel.stages.rest import come_to_rest
+from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.slip import first_stop, time_of_way, transition
 from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, tangent_stiffness, thrust
 
@@ -75,9 +75,10 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         step *= max(factor, SHRINKAGE)
     state.trial_step = max(trial if step < trial and factor >= 1.0 else step * min(factor, GROWTH), SHORTEST_STEP)
     way = max(way + ya * left_over / (6.0 * mass), 0.0)
-    if not way <= room:
+    has_hit = not way <= room
+    if has_hit:
         step = time_of_way(mass, viscous, stiffness, speed, start, max(room, 0.0), step)
-        way, has_stopped = room, True
+        way = room
     elif not has_stopped:
         next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
         has_stopped = next_speed == 0.0
@@ -86,7 +87,9 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     state.trace_damping, state.trace_stiffness = viscous / mass, stiffness / mass
     state.trace_velocity, state.trace_acceleration = side * speed, side * start
     state.trace_next_velocity, state.trace_next_acceleration = side * next_speed, side * next_acceleration
-    if has_stopped:
+    if has_hit:
+        meet_limit(p, state, speed)
+    elif has_stopped:
         come_to_rest(state)
     return step
 

@@ -37,14 +37,18 @@ HARD_STOP = 1.0
 RESOLVED = 0.25
 """Longest step over the period of a load, or over the time constant of a drift."""
 
+RIGID = 0.01
+"""Share of the tolerance below which the reach of the bristles is none: they are the dry friction of their limit."""
+
 SETTLED = 0.01
 """Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
 @compiled
-def plan_stem(p, state):
+def plan_stem(p, state, tolerance):
     """Write down once a run what does not change during it."""
-    state.plan_linear = is_linear(p)
+    state.plan_elastic = p.presliding_compliance * p.coulomb_friction > RIGID * tolerance
+    state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
@@ -184,7 +188,7 @@ def advance_stem(p, state, memory, time, duration, tolerance):
 
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):

@@ -351,13 +351,9 @@ def tangent_stiffness(p, side, position, pressure, time):
 
 @compiled
 def is_linear(p):
-    """Return whether a slip under a held pressure is a linear equation, so that one step is exact."""
+    """Return whether a slip on dry friction under a held pressure is a linear equation, so that one step is exact."""
     return (
-        p.spring_hardening == 0.0
-        and p.area_curvature == 0.0
-        and p.tight_spot_excess == 0.0
-        and p.stribeck_ratio == 1.0
-        and p.presliding_compliance == 0.0
+        p.spring_hardening == 0.0 and p.area_curvature == 0.0 and p.tight_spot_excess == 0.0 and p.stribeck_ratio == 1.0
     )
 
 

@@ -47,7 +47,7 @@ def begin_step(p, state, memory, time):
     memory.ways[0], memory.speeds[0], memory.pulls[0], memory.feeds[0] = 0.0, speed, 0.0, 0.0
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     stiffness = tangent_stiffness(p, side, position, pressure, time)
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         memory.bristles[0] = side * state.bristle
         limit = limiting_friction(p, side, position, pressure, time, speed)
         stiffness += bristle_stiffness(p, memory.bristles[0], limit)
@@ -55,15 +55,15 @@ def begin_step(p, state, memory, time):
         excess = stribeck_excess(p, sliding_friction(p, side, position, pressure, time), speed)
         damping -= stribeck_slope(p, excess, speed)
     memory.step_damping, memory.step_stiffness = damping / mass, stiffness / mass
-    memory.step_start = slip_force(p, memory, 0, position, speed) / mass
+    memory.step_start = slip_force(p, state, memory, 0, position, speed) / mass
 
 
 @inlined
-def slip_force(p, memory, node, position, speed):
+def slip_force(p, state, memory, node, position, speed):
     """Return the net force along its side on a stem that slips, at a node of the step. [N]"""
     side, pressure = memory.step_side, memory.step_pressures[node]
     time = memory.step_time + node * memory.step_spacing
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         friction = memory.bristles[node]
     else:
         friction = sliding_friction(p, side, position, pressure, time)
@@ -93,7 +93,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
             memory.ways[node], memory.speeds[node] = 0.0, memory.step_speed
     else:
         lay_motion(memory, count)
-    share = SWING_SHARE if p.presliding_compliance > 0.0 else STEP_SHARE
+    share = SWING_SHARE if state.plan_elastic == 1.0 else STEP_SHARE
     moved, left, allowed = math.inf, math.inf, share * tolerance
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
@@ -112,7 +112,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
         return math.inf
     reach = response.way[count, 0] + state.plan_response * response.impulse[count]
     off = left_out(count, memory.pull_powers)
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         off += memory.bristles_off / p.stem_mass
     return (off * abs(reach) + left) / allowed
 
@@ -135,11 +135,11 @@ def choose_linear_part(state, memory, length, count):
 def lay_pulls(p, state, memory, count):
     """Write by how much the stem is pulled more than the linear part says, over its mass, and the powers of that."""
     response, side = memory.responses[0], memory.step_side
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         lay_bristles(p, state, memory, count)
     for node in range(1, count + 1):
         way, speed = memory.ways[node], memory.speeds[node]
-        force = slip_force(p, memory, node, memory.step_position + side * way, speed)
+        force = slip_force(p, state, memory, node, memory.step_position + side * way, speed)
         foreseen = memory.step_start - response.damping * (speed - memory.step_speed) - response.stiffness * way
         memory.pulls[node] = force / p.stem_mass - foreseen
     fit_powers(count, memory.pulls, memory.pull_powers)

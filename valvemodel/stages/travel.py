@@ -103,7 +103,7 @@ def first_event(p, state, memory, count, ended, room, contact):
             return LIMIT, node - 1.0, float(node)
         if node <= last and TOUCHING < contact < way and memory.ways[node - 1] < contact:
             return CONTACT, node - 1.0, float(node)
-        is_slow = node <= last and speed < STOP_SPEED and p.presliding_compliance == 0.0
+        is_slow = node <= last and speed < STOP_SPEED and state.plan_elastic == 0.0
         if is_slow and rest_excess(p, state, memory, node) <= 0.0:
             return REST, node - 1.0, float(node)
     return NOTHING, 0.0, 0.0
@@ -151,7 +151,7 @@ def meet(p, state, memory, count, tolerance, kind, low, high, distance):
         speed, slope = memory.speeds[count], -memory.speeds[count]
         if kind == STOP:
             position = memory.step_position + memory.step_side * memory.ways[count]
-            value, slope = speed, slip_force(p, memory, count, position, speed) / p.stem_mass
+            value, slope = speed, slip_force(p, state, memory, count, position, speed) / p.stem_mass
         elif kind == REST:
             value, slope = rest_excess(p, state, memory, count), 0.0
         else:
@@ -202,7 +202,7 @@ def finish_step(p, state, memory, count, ended):
     state.trace_next_velocity, state.trace_next_acceleration = side * speed, side * acceleration
     memory.trace_count = count
     state.position, state.velocity = memory.step_position + side * way, side * speed
-    if p.presliding_compliance > 0.0:
+    if state.plan_elastic == 1.0:
         state.bristle = side * memory.bristles[count]
     if ended == LIMIT:
         meet_limit(p, state, speed)
