@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from diagnosis.diagnosing import Cause, Diagnosis, diagnose
+    from diagnosis.by_kind import diagnose
+    from diagnosis.diagnosing import Cause, Diagnosis
+
+_HOMES = {"Cause": "diagnosis.diagnosing", "Diagnosis": "diagnosis.diagnosing", "diagnose": "diagnosis.by_kind"}
 
 __all__ = ["Cause", "Diagnosis", "diagnose"]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in __all__:
+    if name not in _HOMES:
         raise AttributeError(f"module 'diagnosis' has no attribute {name!r}")
-    from diagnosis import diagnosing
-
-    return getattr(diagnosing, name)
+    return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:

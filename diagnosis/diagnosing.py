@@ -12,6 +12,7 @@ import numpy as np
 
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
+from diagnosis.display import Told
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
@@ -33,6 +34,7 @@ from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import NextExperiment
+    from diagnosis.report import Evidence
 
 SCHEMA = "valvemodel.diagnosis/1"
 
@@ -102,8 +104,8 @@ def content_of(judged: Judged) -> dict[str, Any]:
     }
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Told):
     """All that a diagnosis found, in SI units."""
 
     verdict: str
@@ -173,9 +175,14 @@ class Diagnosis:
         experiments = list(self.holdout.experiments)
         return experiments + [each for each in self.holdout.scored_experiments if each not in experiments]
 
+    def evidence(self) -> Evidence:
+        """Return what the pictures show."""
+        from diagnosis.picture import evidence_of
+
+        return evidence_of(self)
+
     def write(self, folder: Path) -> dict[str, Path]:
         """Write diagnosis.json, base.json, model.json and report.html, and return their places."""
-        from diagnosis.picture import evidence_of
         from diagnosis.report import write_page
 
         folder = make_folder(folder)
@@ -184,7 +191,7 @@ class Diagnosis:
         write_json(places["diagnosis.json"], content)
         self.base.model.write(places["base.json"])
         self.found.model.write(places["model.json"])
-        write_page(places["report.html"], content, evidence_of(self))
+        write_page(places["report.html"], content, self.evidence())
         return places
 
 

@@ -140,6 +140,8 @@ def curves_against(
         number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, max(len(edges) - 2, 0))
         counts = np.bincount(number)
         kept = np.flatnonzero(counts >= FEWEST)
+        if not kept.size:
+            continue
         at, mean = (np.bincount(number, each)[kept] / counts[kept] for each in (values, residual))
         square = np.bincount(number, residual**2)[kept] / counts[kept] - mean**2
         error = np.sqrt(np.maximum(square, 0.0) * lasting / counts[kept])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from diagnosis.diagnosing import Cause, Progress, content_of
+from diagnosis.display import Told
 from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
 from identification.experiment import Experiment
@@ -66,8 +67,8 @@ NOTHING_LEFT = 1e-5
 Effects = tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class StemOnlyDiagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class StemOnlyDiagnosis(Told):
     """All that a diagnosis of the stem alone found, in SI units; the gap is one of force.
 
     Attributes
@@ -129,6 +130,10 @@ class StemOnlyDiagnosis:
             "seconds": self.seconds,
         }
 
+    def evidence(self) -> Evidence:
+        """Return what the pictures show."""
+        return evidence_of(self)
+
     def write(self, folder: Path) -> dict[str, Path]:
         """Write diagnosis.json, base.json, model.json and report.html, and return their places."""
         from diagnosis.report import write_page
@@ -139,7 +144,7 @@ class StemOnlyDiagnosis:
         write_json(places["diagnosis.json"], content)
         self.base.write(places["base.json"])
         self.found.write(places["model.json"])
-        write_page(places["report.html"], content, evidence_of(self))
+        write_page(places["report.html"], content, self.evidence())
         return places
 
 

@@ -11,23 +11,31 @@ from typing import TYPE_CHECKING, Any
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
+from identification.display import fit_card, parameter_columns
 from identification.exact_fit import fit_exact
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, measured
 from identification.holdout import EVERY, Holdout, hold_out
 from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
+from identification.residual import Residual, draw_residuals, residuals_of
 from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
 from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estimates, rms_of
 from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.display import Card, Shown
+from valvemodel.drawing import axes_or_new
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
 from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
+from valvemodel.plots import COURSE
 from valvemodel.records import Record
 
 if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+
     from identification.smooth_fit import Smoothing
 
 SCHEMA = "valvemodel.fit/1"
@@ -40,8 +48,8 @@ ROUTES = ("exact", "smooth")
 Progress = Callable[[str, float], None]
 
 
-@dataclass(frozen=True)
-class Outcome:
+@dataclass(frozen=True, repr=False)
+class Outcome(Shown):
     """All that `fit.json` and `model.json` hold, in SI units.
 
     Attributes
@@ -71,6 +79,8 @@ class Outcome:
         How it was searched: "exact" or "smooth".
     smoothing : tuple of Smoothing
         What smoothing did to the fit, by width; empty on the exact route.
+    residuals : tuple of Residual
+        What the fit leaves of each record.
     """
 
     records: tuple[str, ...]
@@ -91,6 +101,28 @@ class Outcome:
     route: str = "exact"
     smoothing: tuple[Smoothing, ...] = ()
     loop: FittedShape | None = None
+    residuals: tuple[Residual, ...] = ()
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a DataFrame of the parameters in SI units: value, std, ends of the 95 % interval, whether determined.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+        """
+        from valvemodel.records.frame import make_frame
+
+        return make_frame(parameter_columns(self), index=[each.name for each in self.parameters])
+
+    def plot_residuals(self, axes: Axes | None = None) -> Axes:
+        """Plot measured less modelled over time on axes, by default of a new figure, and return them."""
+        axes = axes_or_new(axes, size=COURSE)
+        draw_residuals(axes, self.residuals)
+        return axes
+
+    def _card(self) -> Card:
+        return fit_card(self)
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of fit.json."""
@@ -226,6 +258,7 @@ def fit_records(
         route=route,
         smoothing=smoothing,
         loop=loop,
+        residuals=residuals_of(whole),
     )
 
 
@@ -335,6 +368,7 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         warnings=(*record.warnings, *notes),
         seconds=time.perf_counter() - began,
         determined=account_of_stem(record, model, found, reasons),
+        residuals=(Residual(record.name, whole.time, whole.residual, "N"),),
     )
 
 

@@ -26,17 +26,21 @@ START_UP = {
     "matplotlib",
     "jinja2",
     "rich",
+    "pandas",
 }
 DOORS = (
     "valvemodel",
+    "valvemodel.control",
     "valvemodel.linear",
     "valvemodel.records",
     "valvemodel.valves",
     "derivations",
+    "identification.design",
     "identification.inverse_dynamics",
     "identification",
     "diagnosis",
     "diagnosis.report",
+    "diagnosis.trials",
 )
 
 
@@ -100,10 +104,11 @@ def test_commands_load_nothing_heavy(path: Path):
         assert module.split(".")[0] not in START_UP, f"{name_of(path)}:{line} imports {module} at start-up"
 
 
-def test_figures_are_made_where_figures_are_made():
+@pytest.mark.parametrize("library", ["matplotlib", "pandas"])
+def test_libraries_of_figures_and_tables_load_where_one_is_made(library: str):
     for path in FILES:
         modules = [module for module, _, _ in outer_imports(tree_of(path))]
-        assert not any(module.startswith("matplotlib") for module in modules), name_of(path)
+        assert not any(module.split(".")[0] == library for module in modules), name_of(path)
 
 
 @pytest.mark.parametrize("door", DOORS)

@@ -115,7 +115,7 @@ def test_help_starts_without_the_heavy_libraries():
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
     assert "diagnose" in done.stdout
     loaded = set(json.loads(done.stderr))
-    for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "rich"):
+    for heavy in ("numpy", "numba", "polars", "sympy", "scipy", "pint", "matplotlib", "pandas", "rich"):
         assert heavy not in loaded, heavy
 
 
@@ -124,6 +124,26 @@ def test_map_of_the_repository_is_what_the_packages_say():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     assert module.drawn() in text_of("README.md"), "run `python docs/map.py`"
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.endswith(".md")])
+def test_links_of_a_page_lead_somewhere(page: str):
+    folder = (ROOT / page).parent
+    for target in re.findall(r"\]\(([^)\s]+)\)", text_of(page)):
+        place, _, anchor = target.partition("#")
+        if not place.startswith("https://"):
+            assert (folder / place).exists() if place else True, f"{page} links to {target}"
+        if anchor and not place:
+            assert re.search(rf"^#+ {anchor}$", text_of(page), re.MULTILINE | re.IGNORECASE), (
+                f"{page} links to {target}"
+            )
+
+
+def test_picture_of_the_readme_is_light():
+    pictures = re.findall(r"!\[[^\]]{40,}\]\((docs/pictures/[\w.]+)\)", text_of("README.md"))
+    assert pictures, "the README shows a diagnosis, and says what it shows"
+    for picture in pictures:
+        assert (ROOT / picture).stat().st_size < 60_000
 
 
 def test_every_command_has_its_page():

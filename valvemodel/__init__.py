@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from valvemodel.simulation import simulate
     from valvemodel.stepping import SteppedValve
     from valvemodel.trajectory import Trajectory
-    from valvemodel.valves import Valve, plausibility, read_valve, valve_names
+    from valvemodel.valves import Valve, read_valve, valve_names
+    from valvemodel.valves.plausibility import plausibility
 
 _HOMES = {
     "Effect": "valvemodel.declarations",

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
@@ -52,3 +53,14 @@ def drawn(folder: Path, name: str, *, size: tuple[float, float]) -> Iterator[Fig
         yield figure
         figure.savefig(folder / f"{name}.png", dpi=RESOLUTION)
         figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
+
+
+def axes_or_new(axes: Axes | None, *, size: tuple[float, float]) -> Axes:
+    """Return the axes that were given, or those of a new figure of pyplot's, as a notebook shows it; size in inches."""
+    if axes is not None:
+        return axes
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+
+    with mpl.rc_context(_SETTINGS):
+        return plt.subplots(figsize=size, layout="constrained")[1]

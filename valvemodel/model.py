@@ -15,6 +15,7 @@ import numpy as np
 
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.declarations import Parameter
+from valvemodel.display import Card, Shown, model_card
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
@@ -25,8 +26,8 @@ SCHEMA = "valvemodel.model/1"
 Values = Mapping[str, float]
 
 
-@dataclass(frozen=True)
-class Model:
+@dataclass(frozen=True, repr=False)
+class Model(Shown):
     """A valve with its effects.
 
     Parameters
@@ -110,6 +111,9 @@ class Model:
                 for key, values in self.effects.items()
             },
         }
+
+    def _card(self) -> Card:
+        return model_card(self)
 
     def write(self, path: Path) -> None:
         """Write model.json."""

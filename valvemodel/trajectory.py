@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from valvemodel import runs
+from valvemodel.display import Card, Shown, trajectory_card
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import EVENT, MEMORY, SAMPLE, STATE
+from valvemodel.plots import Plotted
+
+if TYPE_CHECKING:
+    import pandas
 
 TOLERANCE = 1e-9
 """What a run may be off in position. [m]"""
@@ -114,8 +120,8 @@ class Energies:
     dissipated: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Shown, Plotted):
     """What a simulation gives, a row for each input row: the state just before the current of that row acts.
 
     Attributes
@@ -149,6 +155,28 @@ class Trajectory:
     def mode_names(self) -> list[str]:
         """The mode of each row in words."""
         return [MODE_NAMES[mode] for mode in self.mode.tolist()]
+
+    def columns(self) -> dict[str, Any]:
+        """Return the rows as a file has them: time, current, pressure, position with their units, and the mode."""
+        from valvemodel.records.table import usual_columns
+
+        signals = {name: getattr(self, name) for name in ("time", "current", "pressure", "position")}
+        return {**usual_columns(**signals), "mode": self.mode_names}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a DataFrame of the rows, as `valvemodel simulate` writes them.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+        """
+        from valvemodel.records.frame import make_frame
+
+        return make_frame(self.columns())
+
+    def _card(self) -> Card:
+        return trajectory_card(self)
 
     @cached_property
     def events(self) -> Events:

@@ -117,6 +117,17 @@ def percent(share: float | None) -> str:
     return f"{round(100 * share) + 0} %"
 
 
+def closed_text(share: float | None) -> str:
+    """Write the share of a gap that is closed; a gap that grows is not closed at all.
+
+    Examples
+    --------
+    >>> closed_text(0.62), closed_text(-0.34)
+    ('62 %', 'nothing')
+    """
+    return "nothing" if share is not None and is_number(share) and share <= 0 else percent(share)
+
+
 def probability_text(probability: float | None) -> str:
     """Write a probability, which is never 0 or 1.
 
@@ -144,4 +155,4 @@ def percent_interval(interval: object) -> str:
     if low is None or high is None or not (is_number(low) and is_number(high)):
         return ""
     low, high = (min(1.0, max(-9.99, end)) for end in (low, high))
-    return f"{100 * low:.0f} to {100 * high:.0f} %"
+    return f"{round(100 * low) + 0} to {round(100 * high) + 0} %"

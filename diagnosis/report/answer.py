@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from diagnosis.report.words import NO_BREAK_SPACE, Answer, capitalised, make_answer, printable, tied
+from diagnosis.report.naming import NO_BREAK_SPACE, capitalised, printable, tied
+from diagnosis.report.words import Answer, make_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -74,7 +75,7 @@ def _print(
 def _how_far(answer: Answer) -> list[str]:
     width = max((len(value) for _, value in answer.gap_rows), default=0)
     rows = [f"{value:>{width}}  {name}" for name, value in answer.gap_rows]
-    return [*rows, answer.gap_measure, *answer.how_far[1:]] if rows else []
+    return [*rows, answer.gap_measure, *filter(None, [answer.closes])] if rows else []
 
 
 def _causes(answer: Answer) -> list[str]:
@@ -91,7 +92,9 @@ def _causes(answer: Answer) -> list[str]:
 
 def _cannot_tell(answer: Answer) -> list[str]:
     lines = [answer.alternatives_sentence]
-    for each in answer.alternatives:
-        if each.told_apart_by:
-            lines.append(f"- {each.title}: would be told apart by {'; or '.join(each.told_apart_by)}")
+    telling = [
+        f"- {each.title}: {'; or '.join(each.told_apart_by)}" for each in answer.alternatives if each.told_apart_by
+    ]
+    if telling:
+        lines += ["What would:", *telling]
     return [*lines, answer.others] if answer.others else lines

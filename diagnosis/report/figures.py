@@ -1,133 +1,33 @@
-"""The pictures: functions that draw on given axes, and the SVG markup that a page holds."""
+"""The pictures of a diagnosis: functions that draw on given axes, and each as SVG."""
 
 from __future__ import annotations
 
-import io
 import itertools
-import re
 import textwrap
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from diagnosis.report.amounts import amount, is_number, probability_text, shown_unit
 from diagnosis.report.evidence import FALLING, RISING, STUCK, Evidence, Rank, RecordEvidence, Step
+from diagnosis.report.svg import HALF, INK, WIDE, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-INK, MEASURED, GRID = "#222222", "#8a8a8a", "#dddddd"
-BASE, CAUSE, NOISE = "#D55E00", "#0072B2", "#009E73"
-"""Okabe and Ito's vermillion, blue and bluish green; lines differ in style as well as in colour."""
-REGIMES = {RISING: ("rising", "#56B4E9"), STUCK: ("stuck", "#999999"), FALLING: ("falling", "#E69F00")}
+MEASURED = "#8a8a8a"
+BASE, CAUSE, NOISE = "#D55E00", "#00568C", "#009E73"
+"""Okabe and Ito's vermillion, blue (darker, so that it is told in grey too) and bluish green; lines differ in style
+as well as in colour."""
+REGIMES = {RISING: ("rising", "#3A93C8"), STUCK: ("stuck", "#8a8a8a"), FALLING: ("falling", "#C07F00")}
 HELD_OUT = "#222222"
 
-HALF, WIDE = (5.0, 3.6), (10.2, 3.4)
-"""Sizes of pictures for half a page (and a phone) and for the whole width. [in]"""
 _LOOP_POINTS = 2000
-_RANKS = 12
-_SETTINGS: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "valvemodel",
-    "text.parse_math": False,
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "font.size": 9.5,
-    "axes.edgecolor": "#666666",
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.formatter.useoffset": False,
-    "axes.unicode_minus": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.6,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "legend.frameon": False,
-    "lines.linewidth": 1.4,
-    "path.simplify": True,
-    "path.simplify_threshold": 0.25,
-}
-_PAGE_FONT = "system-ui, -apple-system, 'Segoe UI', Helvetica, Arial, sans-serif"
-
-
-def picture(name: str, draw: Callable[[Figure], None], size: tuple[float, float] = HALF) -> str:
-    """Draw on a new figure and return it as SVG markup without anything that a page must not hold.
-
-    Parameters
-    ----------
-    name : str
-        Prefix of the ids in the markup, different for each picture of a page.
-    draw : callable
-        Draws on the figure that it is given.
-    size : tuple of float
-        Width and height. [in]
-    """
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(_SETTINGS):
-        figure = Figure(figsize=size)
-        figure.patch.set_visible(False)
-        draw(figure)
-        buffer = io.StringIO()
-        with warnings.catch_warnings():
-            # a label in another script: the page's fonts have the glyph, matplotlib's need not
-            warnings.filterwarnings("ignore", message="Glyph .* missing")
-            figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return _inline(buffer.getvalue(), name)
-
-
-def equation_picture(name: str, equation: str) -> str:
-    """Typeset a LaTeX equation as SVG markup, or return an empty text where matplotlib cannot."""
-    import matplotlib
-    from matplotlib.figure import Figure
-    from matplotlib.mathtext import MathTextParser
-
-    text = re.sub(r"\\(le|ge)(?![a-zA-Z])", r"\\\1q", equation)
-    text = re.sub(r"\\text\{([^{}]*)\}", lambda words: _roman(words[1]), text)
-    text = f"${text}$"
-    try:
-        with matplotlib.rc_context({"svg.fonttype": "path", "svg.hashsalt": "valvemodel", "mathtext.fontset": "cm"}):
-            parser = MathTextParser("path")
-            width, height, depth, *_ = parser.parse(text, dpi=72)
-            scale = 12.0 / 10.0
-            box = ((width * scale + 6) / 72, (height * scale + 6) / 72)
-            figure = Figure(figsize=box)
-            figure.patch.set_visible(False)
-            figure.text(0.5, (depth * scale + 3) / 72 / box[1], text, ha="center", va="baseline", fontsize=12)
-            buffer = io.StringIO()
-            figure.savefig(buffer, format="svg", metadata={"Date": None})
-    except ValueError:
-        return ""
-    return _inline(buffer.getvalue(), name, keeps_size=True)
-
-
-def _roman(words: str) -> str:
-    return r"\ \mathrm{" + words.strip().replace(" ", r"\ ") + "}"
-
-
-def _inline(markup: str, name: str, *, keeps_size: bool = False) -> str:
-    markup = markup[markup.index("<svg") :]
-    markup = re.sub(r"<metadata>.*?</metadata>|<style[^>]*>.*?</style>|<!--.*?-->", "", markup, flags=re.DOTALL)
-    head, _, rest = markup.partition(">")
-    view = re.search(r'viewBox="[^"]*"', head)
-    size = re.search(r'width="([\d.]+)pt"', head)
-    assert view is not None
-    assert size is not None
-    width = f' style="width: {float(size[1]) / 10:.2f}em"' if keeps_size else ""
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" {view[0]}{width}'
-    rest = rest.replace(' xlink:href="#', ' href="#').replace("'DejaVu Sans', sans-serif", _PAGE_FONT)
-    rest = re.sub(r'( id="|url\(#| href="#)', rf"\g<1>{name}-", rest)
-    rest = re.sub(r"[ \t]*\n[ \t]*", "\n", rest).strip()
-    return f'{head} aria-hidden="true" focusable="false">{rest}'
+_RANKS = 8
+_CUT_FROM = 12.0
+"""Times the next largest bar from which the bar of the valve as given is cut off."""
 
 
 def draw_loop(axes: Axes, record: RecordEvidence, unit: str, cause: str) -> None:
@@ -184,7 +84,7 @@ def draw_residual(
     shown_y, factor_y = shown_unit(unit, [_largest(before)])
     for values, style in _curves(None, before, after, cause):
         t, thinned = envelope(record.time, values, buckets)
-        axes.plot(t * factor_t, thinned * factor_y, **{**style, "linestyle": "-", "linewidth": 1.1})
+        axes.plot(t * factor_t, thinned * factor_y, **{**style, "linestyle": "-"})
     axes.axhline(0.0, color=INK, linewidth=0.7)
     axes.set_ylabel(f"measured less model [{shown_y}]")
     axes.tick_params(labelbottom=False)
@@ -211,16 +111,22 @@ def draw_residual(
 def draw_steps(axes: Axes, steps: Sequence[Step], unit: str) -> None:
     """Draw the gap shrinking step by step, a bar a step with its label and value above it."""
     steps = [step for step in steps if is_number(step.rms)]
-    largest = max((step.rms for step in steps), default=1.0) or 1.0
+    given, others = (steps or [Step("", 1.0)])[0].rms, max((step.rms for step in steps[1:]), default=0.0)
+    is_cut = others > 0.0 and given > _CUT_FROM * others
+    largest = 1.3 * others if is_cut else max(given, others) or 1.0
     shown, factor = shown_unit(unit, [largest])
     for row, step in enumerate(steps):
         colour = NOISE if "noise" in step.label else (MEASURED, BASE)[row] if row < 2 else CAUSE
-        axes.barh(-row - 0.18, step.rms * factor, height=0.38, color=colour)
+        axes.barh(-row - 0.18, min(step.rms, largest) * factor, height=0.38, color=colour)
         axes.text(0, -row + 0.12, step.label, va="bottom", fontsize=9.5, clip_on=False)
         axes.text(
-            largest * factor, -row + 0.12, amount(step.rms, unit, like=[largest]),
+            largest * factor, -row + 0.12, amount(step.rms, unit, like=[given]),
             va="bottom", ha="right", fontsize=9.5, fontweight="bold",
         )  # fmt: skip
+    if is_cut:
+        axes.text(
+            0.9 * largest * factor, -0.18, "// not to scale", color="black", va="center", ha="right", fontsize=9.5
+        )
     axes.set_xlim(0, largest * factor)
     axes.set_ylim(-len(steps) + 0.55, 0.55)
     axes.set_yticks([])
@@ -314,18 +220,18 @@ def ranking_picture(name: str, evidence: Evidence) -> str:
     return picture(name, draw, (HALF[0], height))
 
 
-def profile_picture(name: str, time: np.ndarray, current: np.ndarray) -> str:
-    """Return a designed current over time as SVG."""
+def profile_picture(name: str, time: np.ndarray, current: np.ndarray, *, is_wide: bool) -> str:
+    """Return a designed current over time as SVG, for the whole width of a page or for a phone."""
 
     def draw(figure: Figure) -> None:
-        axes = figure.add_axes((0.06, 0.2, 0.93, 0.76))
+        axes = figure.add_axes((0.075, 0.2, 0.915, 0.76)) if is_wide else _half_axes(figure)
         shown_t, factor_t = _time_unit(time)
         axes.step(time * factor_t, 1e3 * current, where="post", color=CAUSE)
         axes.set_xlabel(f"time [{shown_t}]")
         axes.set_ylabel("current [mA]")
         axes.margins(x=0.01)
 
-    return picture(name, draw, (WIDE[0], 2.4))
+    return picture(name, draw, (WIDE[0], 2.4) if is_wide else HALF)
 
 
 def envelope(time: np.ndarray, values: np.ndarray, buckets: int) -> tuple[np.ndarray, np.ndarray]:
@@ -380,10 +286,10 @@ def _curves(
     measured: np.ndarray | None, refitted: np.ndarray | None, with_cause: np.ndarray | None, cause: str
 ) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """Return what there is to draw, the one to be seen best last."""
-    base = {"color": BASE, "linewidth": 1.4, "linestyle": (0, (5, 2)), "label": "base refitted"}
-    found = {"color": CAUSE, "linewidth": 1.2, "label": cause}
+    base = {"color": BASE, "linewidth": 1.6, "linestyle": (0, (5, 2)), "label": "base refitted"}
+    found = {"color": CAUSE, "linewidth": 1.1, "label": cause}
     curves = [
-        (measured, {"color": MEASURED, "linewidth": 3.0, "alpha": 0.75, "label": "measured"}),
+        (measured, {"color": MEASURED, "linewidth": 3.2, "label": "measured"}),
         (refitted, base),
         (with_cause, found),
     ]

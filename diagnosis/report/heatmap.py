@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.report.figures import CAUSE, INK, picture
-from diagnosis.report.words import effect_title
+from diagnosis.report.figures import CAUSE
+from diagnosis.report.naming import effect_title
+from diagnosis.report.svg import INK, picture, readable_on
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +56,7 @@ def _draw_matrix(axes: Axes, labels: list[str], similarity: np.ndarray, alike: f
             cosine = similarity[row, column]
             axes.text(
                 column, row, f"{100 * min(cosine, 0.99):.0f}", ha="center", va="center", fontsize=7.5,
-                color="white" if cosine > 0.8 else INK, fontweight="bold" if cosine >= alike else "normal",
+                color=readable_on(shade[row, column]), fontweight="bold" if cosine >= alike else "normal",
             )  # fmt: skip
     axes.set_yticks(range(len(labels)), labels)
     axes.set_xticks(range(len(labels)), labels, rotation=58, ha="left", rotation_mode="anchor")

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.report.figures import BASE, CAUSE, INK, MEASURED, NOISE, picture
-from diagnosis.report.words import effect_title
+from diagnosis.report.figures import BASE, CAUSE, MEASURED, NOISE
+from diagnosis.report.naming import effect_title
+from diagnosis.report.svg import INK, picture, readable_on
 from diagnosis.trials.marking import OUTCOMES, are_near
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ _COLOURS = {
     "false alarm": "#b03030",
     "failed": INK,
 }
+_HATCHES = {"alias": "///", "unknown": "..", "partly": "\\\\\\", "unsure": "xx", "false alarm": "++"}
+"""So that neighbours are told apart without colour."""
 _SQUARE = (5.0, 4.2)
 _HALF_BOX = (0.14, 0.14, 0.82, 0.80)
 
@@ -41,12 +44,15 @@ def outcomes_picture(name: str, kinds: Mapping[str, Any]) -> str:
             shares = np.array(
                 [100.0 * count / each["plants"] for count, each in zip(counts, kinds.values(), strict=True)]
             )
-            axes.barh(range(len(kinds)), shares, left=left, height=0.62, color=_COLOURS[outcome], label=outcome)
+            axes.barh(
+                range(len(kinds)), shares, left=left, height=0.62, facecolor=_COLOURS[outcome], edgecolor="white",
+                hatch=_HATCHES.get(outcome), linewidth=0, label=outcome,
+            )  # fmt: skip
             for row, (share, count) in enumerate(zip(shares, counts, strict=True)):
                 if share > 5.0:
                     axes.text(
                         left[row] + share / 2, row, str(count), ha="center", va="center", fontsize=9,
-                        color="white" if outcome in ("right", "wrong", "false alarm", "failed") else INK,
+                        color=readable_on(_COLOURS[outcome]),
                     )  # fmt: skip
             left += shares
         axes.set_yticks(range(len(kinds)), list(kinds))
@@ -143,7 +149,7 @@ def confusion_picture(name: str, kind: str, confusion: Mapping[str, Any]) -> str
         for row, column in zip(*np.nonzero(shown), strict=True):
             axes.text(
                 column, row, str(shown[row, column]), ha="center", va="center", fontsize=9,
-                color="white" if share[row, column] > 0.6 else INK,
+                color=readable_on(colours[row, column]),
             )  # fmt: skip
         axes.set_yticks(range(len(rows)), [_label(key) for key in row_keys])
         axes.set_xticks(

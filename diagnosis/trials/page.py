@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-import diagnosis.report
-from diagnosis.report.amounts import probability_text, rounded
-from diagnosis.report.page import Picture
-from diagnosis.report.words import cause_title, printable, tied
+from diagnosis.report.amounts import percent, probability_text, rounded
+from diagnosis.report.naming import cause_title, printable
+from diagnosis.report.page import page_template
+from diagnosis.report.pictures import Picture
 from diagnosis.trials import figures
 from diagnosis.trials.marking import OUTCOMES
 from diagnosis.trials.words import KIND_TITLES, figure_rows, rate_rows
 from valvemodel.files import write_text
-
-_FOLDERS = [Path(__file__).parent, Path(diagnosis.report.__file__).parent]
 
 
 def write_page(path: Path, content: Mapping[str, Any]) -> None:
@@ -34,15 +32,7 @@ def write_page(path: Path, content: Mapping[str, Any]) -> None:
 
 def render_page(content: Mapping[str, Any]) -> str:
     """Return the page as self-contained HTML."""
-    environment = Environment(
-        loader=FileSystemLoader(_FOLDERS),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["tied"] = tied
-    page = environment.get_template("template.html").render(
+    page = page_template(Path(__file__).parent).render(
         content=content,
         headline=headline_of(content),
         rates=list(rate_rows(content)),
@@ -66,7 +56,7 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
         Picture(
             Markup(figures.outcomes_picture("outcomes", content["kinds"])),
             "What came out",
-            "Bars of the outcomes by kind of plant.",
+            f"Bars of the outcomes by kind of plant: {_outcomes_in_words(content['kinds'])}.",
         )
     ]
     if content["calibration"]["bins"]:
@@ -74,7 +64,7 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
             Picture(
                 Markup(figures.calibration_picture("calibration", content["calibration"]["bins"])),
                 "Probability said, and how often it was true",
-                "Points of the frequency found over the probability said, with intervals, beside the diagonal.",
+                f"Frequency found over the probability said: {_bins_in_words(content['calibration']['bins'])}.",
             )
         )
     known = [each for each in content["results"] if each["kind"] in ("single", "pair")]
@@ -85,7 +75,8 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
             Picture(
                 Markup(figures.share_picture("closure", shares)),
                 "Gap closed on an unseen record",
-                "Share of the plants over the share of the reducible gap that is closed on unseen records.",
+                f"Share of the plants over the share of the reducible gap that is closed on unseen records: in the "
+                f"median {percent(median(shares))}.",
             )
         )
     if seconds:
@@ -93,16 +84,33 @@ def _pictures(content: Mapping[str, Any]) -> list[Picture]:
             Picture(
                 Markup(figures.seconds_picture("seconds", seconds)),
                 "Seconds of computing a record",
-                "Share of the plants over the seconds that the diagnosis computed on one core.",
+                f"Share of the plants over the seconds that the diagnosis computed on one core: in the median "
+                f"{rounded(median(seconds), 2)} s.",
             )
         )
     return pictures
 
 
+def _outcomes_in_words(kinds: Mapping[str, Any]) -> str:
+    counts = {
+        name: ", ".join(f"{count} {outcome}" for outcome, count in kind["outcomes"].items())
+        for name, kind in kinds.items()
+    }
+    return "; ".join(f"{name}: {words}" for name, words in counts.items())
+
+
+def _bins_in_words(bins: Sequence[Mapping[str, Any]]) -> str:
+    known = [each for each in bins if each["found"]["of"]]
+    return ", ".join(
+        f"{percent(each['found']['share'])} where {percent(each['said'])} was said ({each['found']['of']} plants)"
+        for each in known
+    )
+
+
 def _matrices(content: Mapping[str, Any]) -> list[Picture]:
     titles = {
-        "single": "What is there, and what is named first: one effect",
-        "left-out": "What is there but no candidate, and what is named first",
+        "single": "One effect",
+        "left-out": "One effect that is no candidate",
     }
     confusion = content["confusion"]
     return [
@@ -110,6 +118,7 @@ def _matrices(content: Mapping[str, Any]) -> list[Picture]:
             Markup(figures.confusion_picture(f"confusion-{kind}", kind, confusion)),
             title,
             "Matrix of counts: a row for each effect that is there, a column for each answer.",
+            scrolls=True,
         )
         for kind, title in titles.items()
         if kind in confusion

@@ -56,6 +56,7 @@ with mkdocs_gen_files.open("navigation.md", "w") as navigation:
         f"""* [Start](index.md)
 * [Tutorial: from a record to a cause](tutorial.md)
 * Commands
+    * [The command line](command_line.md)
 {commands}
 * Explanation
     * [The valve and its physics](explanation/physics.md)

@@ -59,6 +59,14 @@ def test_answer_names_the_gap_and_the_place_of_the_report(diagnosed):
     assert str(folder / "report.html") in result.stdout.replace("\n", "")
 
 
+def test_readme_shows_what_the_demo_prints(demo_record, command):
+    result = command("diagnose", demo_record, "--out", "demo-report", "--jobs", "2")
+    readme = (demo_record.parents[2] / "README.md").read_text()
+    shown = re.search(r"<!-- demo: .*?-->\n```text\n(.*?)\n```", readme, re.DOTALL)[1]
+    masked = [re.sub(r"\d[\d.e-]*", "#", " ".join(text.split())) for text in (shown, result.stdout)]
+    assert masked[0] == masked[1], "run `python docs/demo.py`"
+
+
 @pytest.mark.parametrize("name", ["base.json", "model.json"])
 def test_models_go_into_simulate(diagnosed, command, short_record, name):
     _, folder = diagnosed

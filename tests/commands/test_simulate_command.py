@@ -28,7 +28,7 @@ def test_table_is_that_of_the_simulator(command, short_record, tmp_path):
     record = read_record(short_record)
     run = simulate(calibrated(), time=record.time, current=record.current)
     assert np.array_equal(table["position [mm]"].to_numpy(), 1e3 * run.position)
-    assert np.array_equal(table["pressure [kPa]"].to_numpy(), 1e-3 * run.pressure)
+    assert np.array_equal(table["pressure [kPa]"].to_numpy(), run.pressure / 1e3)
     assert np.array_equal(table["time [s]"].to_numpy(), record.time)
     assert table["mode"].to_list() == run.mode_names
     assert os.listdir(tmp_path) == ["out.csv"]
@@ -44,6 +44,16 @@ def test_start_is_the_middle_of_the_stuck_band_or_as_told(command, short_record,
     assert rest["position [mm]"][0] == pytest.approx(1e3 * force / values["spring_rate"], rel=1e-12)
     assert rest["mode"][0] == "stuck"
     assert told["position [mm]"][0] == pytest.approx(60.5, rel=1e-12)
+
+
+def test_run_says_how_far_it_is_off_what_was_measured(command, short_record, tmp_path):
+    result = command("simulate", "--input", short_record, "--start-position", "60 mm", "--out", "out.csv")
+    simulated, measured = (polars.read_csv(path)["position [mm]"].to_numpy() for path in ("out.csv", short_record))
+    off = np.sqrt(np.mean((simulated - measured) ** 2))
+    assert f"wrote out.csv: 1500 rows, {off:.3g} mm (root mean square) off the measured position" in result.output
+    alone = tmp_path / "alone.csv"
+    alone.write_text("time [s],current [mA]\n0,5\n1,6\n2,7\n")
+    assert "off the measured" not in command("simulate", "--input", alone, "--out", "out.csv").output
 
 
 def test_effects_are_switched_on_with_units_or_without(command, short_record, tmp_path):

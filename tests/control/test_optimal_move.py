@@ -93,6 +93,13 @@ def test_what_cannot_be_asked_is_said(changed, rule):
         least_time(calibrated(), **{"start_current": START, "target": 0.15, "period": PERIOD, **changed})
 
 
+def test_least_travel_has_time_to_spare():
+    slow = least_travel(calibrated(), start_current=START, target=0.15, period=PERIOD, within=2.0)
+    assert slow.is_reached
+    assert slow.duration <= 2.0 + 1e-9
+    assert slow.travel == pytest.approx(slow.current[-1] - START, rel=1e-3)
+
+
 def test_too_short_a_time_is_said():
     with pytest.raises(InputError, match="the time that it takes"):
         least_travel(calibrated(), start_current=START, target=0.15, period=PERIOD, rate=5e-3, within=0.2)

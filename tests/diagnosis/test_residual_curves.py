@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.report.advice import depends_of
 from diagnosis.report.curves import curves_picture
-from diagnosis.report.words import _depends
 from diagnosis.residual_curves import Curve, curves_against, gap_at, residual_curves
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base
@@ -87,8 +87,16 @@ def test_gap_is_the_nozzle_law_solved(given):
 def test_curves_are_drawn_and_said(measured, fit):
     curves = [finite(curve.as_json()) for curve in residual_curves([measured], fit)]
     own = [curve for curve in curves if curve["signal"] == "force"]
-    assert curves_picture("left", own).startswith("<svg")
-    sentences = _depends({"residual_curves": [{**curves[0], "share": 0.62}]})
+    for is_wide in (True, False):
+        assert curves_picture("left", own, is_wide=is_wide).startswith("<svg")
+    sentences = depends_of({"residual_curves": [{**curves[0], "share": 0.62}]})
     assert sentences == (
         f"What is left of the position depends most on {curves[0]['against']}: a curve over it explains 62 % of it.",
     )
+
+
+def test_too_few_samples_for_a_bin_make_no_curve():
+    values = np.linspace(0.0, 1.0, 100)
+    assert list(curves_against("force", "N", "stem", np.sin(values), {"position": ("m", values)})) == []
+    many = np.linspace(0.0, 1.0, 1000)
+    assert len(list(curves_against("force", "N", "stem", np.sin(many), {"position": ("m", many)}))) == 1

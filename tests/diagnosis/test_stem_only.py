@@ -263,3 +263,31 @@ def test_emps_base_model_is_the_published_one(emps):
     share = emps.found.effects["asymmetric_viscous_friction"]["viscous_asymmetry"]
     assert values["viscous_friction"] * (1.0 + share) == pytest.approx(166.7061, rel=0.005)
     assert values["viscous_friction"] * (1.0 - share) == pytest.approx(240.4236, rel=0.005)
+
+
+def test_shows_itself_and_draws_its_force():
+    import matplotlib
+    import matplotlib.pyplot as plt
+
+    from identification import fit_records
+
+    matplotlib.use("Agg")
+    diagnosis = found(asymmetry=0.4)
+    assert "asymmetric viscous friction" in repr(diagnosis)
+    assert "</td>" in diagnosis._repr_html_()
+    assert "N]" in "".join(diagnosis.to_pandas().columns)
+    assert diagnosis.plot().get_ylabel() == "force [N]"
+    assert diagnosis.plot_loop().get_xlabel() == "position [mm]"
+    fit = fit_records([strokes()], GIVEN)
+    assert fit.plot_residuals().get_ylabel() == "measured less model [N]"
+    assert "</td>" in fit._repr_html_()
+    plt.close("all")
+
+
+def test_public_door_takes_either_kind():
+    from diagnosis import diagnose
+
+    record = strokes(asymmetry=0.4)
+    assert repr(diagnose(record, GIVEN)) == repr(found(asymmetry=0.4))
+    with pytest.raises(InputError, match="candidates are chosen for records with current"):
+        diagnose(record, candidates=["stribeck"])

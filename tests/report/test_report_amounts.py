@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.report import amounts
-from diagnosis.report.figures import envelope, equation_picture
+from diagnosis.report.figures import envelope
+from diagnosis.report.svg import equation_picture
 from valvemodel.stages import EFFECTS
 
 

@@ -6,7 +6,7 @@ import io
 from typing import Any
 
 import pytest
-from report_samples import SAMPLES, cause, effect, none, two_effects
+from report_samples import SAMPLES, cause, effect, none, two_effects, unknown
 from rich.console import Console
 
 from diagnosis.report import print_answer
@@ -66,6 +66,53 @@ def test_alternatives_in_another_stage_are_said() -> None:
         cause(["spring_hardening"], 0.9, 1e-4, 0.9, indistinguishable_from=[["linkage_nonlinearity"]])
     ]
     assert "An effect that looks the same here would lie in the sensor." in make_answer(diagnosis).where
+
+
+def test_what_tells_rivals_apart_is_said_once_and_of_what_differs() -> None:
+    answer = make_answer(two_effects()[0])
+    assert answer.alternatives_sentence == "This record cannot tell sensor lag from coil lag or transport delay."
+    assert [each.title for each in answer.alternatives] == ["coil lag", "transport delay"]
+    assert all(len(each.told_apart_by) == 1 for each in answer.alternatives)
+
+
+def test_nearest_candidate_of_an_unknown_cause_has_no_alternatives() -> None:
+    diagnosis = unknown()[0]
+    diagnosis["causes"][0]["indistinguishable_from"] = [["choked_flow"]]
+    assert make_answer(diagnosis).alternatives == ()
+
+
+@pytest.mark.parametrize(
+    ("separation", "words"),
+    [
+        ({"now": 0.1, "profile": 2.0, "pressure_now": 9.0}, "record the current profile in next.csv: refitted"),
+        ({"now": 0.1, "profile": 0.2, "pressure_now": 9.0}, "measure the pressure: under the same input"),
+        (
+            {"now": 0.1, "profile": 0.2, "pressure_now": 0.3, "profile_and_pressure": 0.8},
+            "record the current profile in next.csv and measure the pressure",
+        ),
+        ({"now": 0.1, "profile": 0.2, "pressure_now": 0.3}, "nor does a measured pressure: refitted, they would"),
+        ({"now": 0.1, "profile": 0.2}, "apart: refitted, they would differ by 0.2 times the noise at most"),
+    ],
+)
+def test_next_step_asks_for_what_tells_rivals_apart(separation: dict[str, float], words: str) -> None:
+    diagnosis = effect()[0]
+    rivals = [["static_friction"], ["stribeck"]]
+    diagnosis["next_experiment"] = {"file": "next.csv", "rivals": rivals, "is_open": True, "separation": separation}
+    answer = make_answer(diagnosis)
+    assert words in answer.designed
+    assert answer.next_step == f"{answer.designed} Until then use the found model (model.json) with care."
+
+
+def test_a_gap_that_grows_is_not_closed() -> None:
+    diagnosis = effect()[0]
+    diagnosis["causes"][2] |= {"gap_closed": -0.34, "gap_closed_interval": [-0.4, -0.001]}
+    row = make_answer(diagnosis).causes[3]
+    assert (row.closed, row.closed_interval) == ("nothing", "-40 to 0 %")
+
+
+def test_only_effects_worth_saying_are_told_about() -> None:
+    diagnosis = effect()[0]
+    assert [told.key for told, _ in make_answer(diagnosis).told] == ["static_friction", "stribeck"]
 
 
 def test_none_without_alternatives_says_so() -> None:

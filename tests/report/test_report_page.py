@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -109,7 +107,13 @@ def test_every_picture_has_words(pages: dict[str, str], name: str) -> None:
     [
         (
             "effect",
-            ["lacks static friction or Stribeck friction", "very likely", "0.158 mm", "slow ramps", "1.4012"],
+            [
+                "lacks static friction or Stribeck friction",
+                "very likely",
+                "0.158 mm",
+                "ramps at several slow speeds",
+                "1.4012",
+            ],
         ),
         (
             "two effects",
@@ -197,19 +201,3 @@ def test_little_data_makes_a_page() -> None:
 def test_evidence_of_unequal_lengths_is_refused() -> None:
     with pytest.raises(AssertionError, match=r"stroke\.csv: measured has shape"):
         replace(record(), measured=np.zeros(3))
-
-
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="Chromium is not installed")
-def test_browser_opens_the_page_without_a_complaint(tmp_path: Path) -> None:
-    write_page(tmp_path / "report.html", *effect())
-    flags = (
-        "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-        "--disable-component-update --disable-sync --enable-logging=stderr --dump-dom"
-    )
-    own = (f"--user-data-dir={tmp_path / 'profile'}", (tmp_path / "report.html").as_uri())
-    done = subprocess.run(
-        ["chromium", *flags.split(), *own],
-        capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
-    assert "The model lacks static friction" in done.stdout
-    assert "CONSOLE" not in done.stderr

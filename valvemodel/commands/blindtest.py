@@ -6,18 +6,21 @@ from pathlib import Path
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.given import complete_effects
 from valvemodel.commands.places import check_folder
 from valvemodel.commands.trouble import Interrupted
 from valvemodel.commands.waiting import progress_shown
 
 
-@click.command(
+@command(
+    short_help="How often such a diagnosis is right.",
     epilog="""\b
 Examples:
   valvemodel blindtest --out blind
   valvemodel blindtest --plants 600 --baseline --out blind
   valvemodel blindtest --plants 27 --kinds single --out singles
-  valvemodel blindtest --plants 10 --kinds single,left-out --only coil_lag --out lag"""
+  valvemodel blindtest --plants 10 --kinds single,left-out --only coil_lag --out lag""",
 )
 @click.option("--plants", type=click.IntRange(min=1), default=200, show_default=True, help="How many valves.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Another one, other valves.")
@@ -31,7 +34,13 @@ Examples:
     metavar="KIND,...",
     help="In turn: one effect; two; none; one that is taken out of the candidates.",
 )
-@click.option("--only", multiple=True, metavar="KEY", help="Valves with this effect only; may be given several times.")
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="KEY",
+    shell_complete=complete_effects,
+    help="Valves with this effect only; may be given several times.",
+)
 @click.option("--pressure", is_flag=True, help="Measure the pressure too.")
 @click.option("--baseline", is_flag=True, help="Run a trivial baseline beside the diagnosis.")
 @click.option(
@@ -41,7 +50,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Folder for blindtest.json, blindtest.html, and the records, sealed truths and answers.",
 )
-@click.option("--quiet", is_flag=True, help="Print nothing but errors; the files say it all.")
+@json_option
 def blindtest(
     plants: int,
     seed: int,
@@ -51,7 +60,7 @@ def blindtest(
     pressure: bool,
     baseline: bool,
     out: Path,
-    quiet: bool,
+    as_json: bool,
 ) -> None:
     """Diagnose made-up valves without their truth, and say how often the answer is right.
 
@@ -66,13 +75,15 @@ def blindtest(
 
     settings = Settings(seed, tuple(dict.fromkeys(each.strip() for each in kinds.split(","))), only, pressure)
     try:
-        with progress_shown(is_quiet=quiet) as progress:
+        with progress_shown() as progress:
             test = run_blindtest(settings, plants, out, has_baseline=baseline, jobs=jobs, progress=progress)
             progress("writing the report", 1.0)
             places = test.write(out)
     except KeyboardInterrupt:
         raise Interrupted(f"interrupted; what is done is kept in {out}, and the same command goes on") from None
-    if not quiet:
-        for line in lines_of(test.as_json()):
-            click.echo(line)
-        click.echo(f"Report       {places['blindtest.html']}")
+    if as_json:
+        print_json(test.as_json())
+        return
+    for line in lines_of(test.as_json()):
+        click.echo(line)
+    click.echo(f"Report       {places['blindtest.html']}")

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.control_answer import print_contest, print_findings
-from valvemodel.commands.given import valve_model, valve_option, with_effects
+from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
@@ -18,29 +19,18 @@ if TYPE_CHECKING:
     from valvemodel.model import Model
 
 
-@click.command(
+@command(
+    short_help="Which controller is best on a valve.",
     epilog="""\b
 Examples:
   valvemodel control --out contest
   valvemodel control --effect static_friction:static_friction_ratio=1.3 --out contest
   valvemodel control --model report/model.json --setpoints "120 mm, 60 %, 130 mm" --period "20 ms" --out contest
-  valvemodel control --claims --out claims"""
+  valvemodel control --claims --out claims""",
 )
 @valve_option
-@click.option(
-    "--model",
-    "model_file",
-    metavar="MODEL.json",
-    type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
-)
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="KEY[:name=value,...]",
-    help="Switch an effect on, as in `valvemodel simulate`; may be given several times.",
-)
+@model_option
+@effects_option
 @click.option(
     "--setpoints",
     metavar="LIST",
@@ -92,6 +82,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Folder for control.json, control.csv, control.png and control.svg; with --claims claims.json and claims.png.",
 )
+@json_option
 def control(
     valve: str | None,
     model_file: Path | None,
@@ -107,6 +98,7 @@ def control(
     tests_claims: bool,
     coarse: bool,
     out: Path,
+    as_json: bool,
 ) -> None:
     """Run controllers on the same set points of an exactly simulated valve, and measure them.
 
@@ -151,6 +143,11 @@ def control(
                 progress=progress,
             )
         places = write_together(out, lambda folder: _write_grid(grid, folder))
+        if as_json:
+            from valvemodel.control.claims import as_json as grid_json
+
+            print_json(grid_json(grid))
+            return
         print_findings(grid)
     else:
         from valvemodel.control.contest import hold_contest
@@ -165,6 +162,11 @@ def control(
                 progress=progress,
             )
         places = write_together(out, lambda folder: _write_contest(contest, folder))
+        if as_json:
+            from valvemodel.control.contest_json import contest_json
+
+            print_json(contest_json(contest))
+            return
         print_contest(contest)
     for name, place in places.items():
         click.echo(f"{name:13s} {place}")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_text
 
@@ -19,9 +19,9 @@ _PIPED_WIDTH = 100
 _FIELDS = ("equation", "verdict", "printed", "derived", "steps", "right")
 
 
-@click.command(epilog="Example: valvemodel derive --equation 27")
+@command(short_help="Which of the paper's equations hold, and why.", epilog="Example: valvemodel derive --equation 27")
 @click.option("--equation", metavar="ID", help="Show the steps for one id only: 27, table-2, state-2, text-n, ...")
-@click.option("--json", "as_json", is_flag=True, help="Print a list of findings as JSON.")
+@json_option
 @click.option("--latex", "as_latex", is_flag=True, help="Print a LaTeX document part, for an article with amsmath.")
 @click.option("--write", is_flag=True, help="Write valvemodel/equations/*.py anew from the derivations.")
 def derive(equation: str | None, as_json: bool, as_latex: bool, write: bool) -> None:
@@ -41,7 +41,7 @@ def derive(equation: str | None, as_json: bool, as_latex: bool, write: bool) -> 
         return
     findings = _findings(equation)
     if as_json:
-        click.echo(json.dumps([_plain(one) for one in findings], indent=1, ensure_ascii=False))
+        print_json([_plain(one) for one in findings])
     elif as_latex:
         from derivations import latex
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.waiting import progress_shown
 from valvemodel.errors import InputError
@@ -16,12 +17,13 @@ if TYPE_CHECKING:
     from identification.design.search import Design
 
 
-@click.command(
+@command(
+    short_help="Which current to measure next.",
     epilog="""\b
 Examples:
   valvemodel design --model fitted/model.json --for k,F_c,f_v --out next.csv
   valvemodel design --model fitted/model.json --for f_v --range "8 mA" "16 mA" --rate "2 mA/s" --out n.csv
-  valvemodel simulate --model fitted/model.json --input next.csv --out expected.csv"""
+  valvemodel simulate --model fitted/model.json --input next.csv --out expected.csv""",
 )
 @click.option(
     "--model",
@@ -59,6 +61,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Where the current goes; what it promises goes beside it, INPUT.json.",
 )
+@json_option
 def design(
     model_file: Path,
     wanted: str,
@@ -71,6 +74,7 @@ def design(
     criterion: str,
     repetitions: int,
     out: Path,
+    as_json: bool,
 ) -> None:
     """Find an admissible current that tells the most about chosen parameters of a valve.
 
@@ -103,6 +107,9 @@ def design(
         )
     write_table(out, {"time [s]": found.time, "current [mA]": 1e3 * found.current})
     write_json(beside, found.as_json())
+    if as_json:
+        print_json(found.as_json())
+        return
     _print(found)
     click.echo(f"current   {out}\npromises  {beside}")
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.given import measured_records, records_argument, valve_model, valve_option
 from valvemodel.commands.places import check_file, check_folder, check_not_input, write_together
 from valvemodel.commands.waiting import Report, progress_shown
@@ -17,17 +18,16 @@ from valvemodel.errors import InputError
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import Limits
-    from valvemodel.model import Model
-    from valvemodel.records import Record
 
 
-@click.command(
+@command(
+    short_help="Why a model does not match its valve, and what is missing.",
     epilog="""\b
 Examples:
   valvemodel diagnose record.csv --out report
   valvemodel diagnose monday.csv tuesday.csv --valve my_valve.toml --out report
   valvemodel diagnose record.csv --out report --next-experiment next.csv --next-duration "3 min"
-  valvemodel diagnose record.csv --out report --json"""
+  valvemodel diagnose record.csv --out report --json""",
 )
 @records_argument
 @valve_option
@@ -56,8 +56,7 @@ Examples:
     "--next-range", nargs=2, default=("4 mA", "20 mA"), show_default=True, metavar="LOW HIGH", help="Its currents."
 )
 @click.option("--next-rate", metavar="QUANTITY", help='Its fastest change, as "2 mA/s".  [default: steps are allowed]')
-@click.option("--json", "as_json", is_flag=True, help="Print diagnosis.json instead of the answer in words.")
-@click.option("--quiet", is_flag=True, help="Print nothing but errors; the files say it all.")
+@json_option
 def diagnose(
     paths: tuple[Path, ...],
     valve: str | None,
@@ -68,7 +67,6 @@ def diagnose(
     next_range: tuple[str, str],
     next_rate: str | None,
     as_json: bool,
-    quiet: bool,
 ) -> None:
     """Find where a valve and its model disagree, which effect causes it, and how far the gap shrinks with it.
 
@@ -81,12 +79,14 @@ def diagnose(
     if next_file is not None:
         check_next_file(next_file, out, paths)
         limits = limits_of(next_duration, next_range, next_rate)
+    from diagnosis.by_kind import diagnose as find_causes
+
     model, rated_travel = valve_model(valve)
-    with progress_shown(is_quiet=quiet) as progress:
+    with progress_shown() as progress:
         records = measured_records(paths, model, rated_travel)
         if limits is not None and records[0].kind != "time":
             raise InputError("a next experiment is designed from time records", "these have none", "record over time")
-        diagnosis = _diagnosed(records, model, jobs, progress)
+        diagnosis: Any = find_causes(records, model, jobs=jobs, progress=progress)
         if limits is not None and next_file is not None:
             diagnosis = _with_next_experiment(diagnosis, limits, next_file, progress)
         progress("drawing the report", 0.95)
@@ -94,12 +94,8 @@ def diagnose(
         if next_file is not None:
             diagnosis.next_experiment.write(next_file)
     if as_json:
-        import json
-
-        from valvemodel.files import finite
-
-        click.echo(json.dumps(finite(diagnosis.as_json()), indent=1, ensure_ascii=False, allow_nan=False))
-    elif not quiet:
+        print_json(diagnosis.as_json())
+    else:
         from rich.console import Console
 
         from diagnosis.report import print_answer
@@ -145,14 +141,3 @@ def _with_next_experiment(diagnosis: Any, limits: Limits, path: Path, progress: 
     from diagnosis.next_experiment import next_experiment
 
     return replace(diagnosis, next_experiment=next_experiment(diagnosis, limits, name=path.name, progress=progress))
-
-
-def _diagnosed(records: Sequence[Record], model: Model, jobs: int | None, progress: Report) -> Any:
-    if all(record.kind == "stem" for record in records):
-        from diagnosis.stem_only import diagnose_stem_records
-
-        progress("force balance of the stem", 0.0)
-        return diagnose_stem_records(records, model)
-    from diagnosis.diagnosing import diagnose as find_causes
-
-    return find_causes(records, model, jobs=jobs, progress=progress)

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.given import complete_effects
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -14,15 +17,16 @@ if TYPE_CHECKING:
 _PIPED_WIDTH = 120
 
 
-@click.command(
+@command(
+    short_help="Which effects are known, with which parameters.",
     epilog="""\b
 Examples:
   valvemodel effects
   valvemodel effects static_friction
-  valvemodel effects --json"""
+  valvemodel effects --json""",
 )
-@click.argument("key", required=False, metavar="[KEY]")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for machines.")
+@click.argument("key", required=False, metavar="[KEY]", shell_complete=complete_effects)
+@json_option
 def effects(key: str | None, as_json: bool) -> None:
     """List the effects that the base model lacks, by stage; with KEY all about one of them."""
     from valvemodel.effects import effect_of_key
@@ -44,12 +48,8 @@ def effects(key: str | None, as_json: bool) -> None:
 
 
 def _print_json(found: tuple[Effect, ...]) -> None:
-    import json
-
-    from valvemodel.files import finite
-
     content = {"schema": "valvemodel.effects/1", "effects": [_as_json(effect) for effect in found]}
-    click.echo(json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False))
+    print_json(content)
 
 
 def _as_json(effect: Effect) -> dict[str, Any]:

@@ -6,11 +6,14 @@ from pathlib import Path
 
 import click
 
+from valvemodel.commands.command import command
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
 
-@click.command(epilog="Example: valvemodel figures --out figures")
+@command(
+    short_help="The paper's figures, as printed and as described.", epilog="Example: valvemodel figures --out figures"
+)
 @click.option(
     "--out",
     required=True,

@@ -6,19 +6,21 @@ from pathlib import Path
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.fitted import print_outcome
-from valvemodel.commands.given import measured_records, records_argument, valve_model, valve_option
+from valvemodel.commands.given import complete_effects, measured_records, records_argument, valve_model, valve_option
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
 
 
-@click.command(
+@command(
+    short_help="Which numbers fit, and how well they are determined.",
     epilog="""\b
 Examples:
   valvemodel fit record.csv --out fitted
   valvemodel fit record.csv --profile --bootstrap 200 --out fitted
-  valvemodel fit monday.csv tuesday.csv --valve my_valve.toml --effect static_friction --out fitted"""
+  valvemodel fit monday.csv tuesday.csv --valve my_valve.toml --effect static_friction --out fitted""",
 )
 @records_argument
 @valve_option
@@ -27,6 +29,7 @@ Examples:
     "effects",
     multiple=True,
     metavar="KEY",
+    shell_complete=complete_effects,
     help="Fit the parameters of this effect too; may be given several times.",
 )
 @click.option(
@@ -66,6 +69,7 @@ Examples:
     type=click.IntRange(min=0),
     help="Refit N times to the fitted trajectory with blocks of its residuals drawn anew; 200 is a good number.",
 )
+@json_option
 def fit(
     paths: tuple[Path, ...],
     valve: str | None,
@@ -75,6 +79,7 @@ def fit(
     out: Path,
     has_profile: bool,
     repetitions: int,
+    as_json: bool,
 ) -> None:
     """Fit the free parameters of a valve to records of it.
 
@@ -106,6 +111,9 @@ def fit(
         )
     places = write_together(out, outcome.write)
     warn(outcome.warnings)
+    if as_json:
+        print_json(outcome.as_json())
+        return
     print_outcome(outcome)
     for name, place in places.items():
         click.echo(f"{name:11s} {place}")

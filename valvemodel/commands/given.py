@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.shell_completion import CompletionItem
 
 from valvemodel.errors import InputError
 
@@ -15,10 +16,43 @@ if TYPE_CHECKING:
     from valvemodel.model import Model
     from valvemodel.records import Record
 
+
+def complete_effects(context: click.Context, option: click.Parameter, incomplete: str) -> list[str]:
+    """Return the keys of effects that begin so, for the shell."""
+    from valvemodel.stages import EFFECTS
+
+    return [effect.key for effect in EFFECTS if effect.key.startswith(incomplete)]
+
+
+def complete_valves(context: click.Context, option: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the valve sets that begin so, and leave files to the shell."""
+    from valvemodel.valves import valve_names
+
+    names = [CompletionItem(name) for name in valve_names() if name.startswith(incomplete)]
+    return names or [CompletionItem(incomplete, type="file")]
+
+
 valve_option = click.option(
     "--valve",
     metavar="SET|FILE",
+    shell_complete=complete_valves,
     help="Valve as given: a set (see `valvemodel valves`) or a file of that format.  [default: calibrated]",
+)
+model_option = click.option(
+    "--model",
+    "model_file",
+    metavar="MODEL.json",
+    type=click.Path(path_type=Path),
+    help="A model that fit or diagnose wrote, instead of --valve.",
+)
+effects_option = click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="KEY[:name=value,...]",
+    shell_complete=complete_effects,
+    help="Switch an effect on, with values in SI units or with a unit; values that are not named are the typical "
+    "ones, as `valvemodel effects KEY` shows them. May be given several times.",
 )
 records_argument = click.argument(
     "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORD..."

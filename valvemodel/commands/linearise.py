@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from valvemodel.commands.given import valve_model, valve_option, with_effects
+from valvemodel.commands.command import command
+from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
 from valvemodel.commands.places import check_file, check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
@@ -17,23 +18,18 @@ if TYPE_CHECKING:
     from valvemodel.linear.feedback import Gains
 
 
-@click.command(
+@command(
+    short_help="Poles, margins and limit cycles at an operating point.",
     epilog="""\b
 Examples:
   valvemodel linearise --at "12 mA"
   valvemodel linearise --at "8 mA" --mode falling --effect coil_lag --out linear
   valvemodel linearise --at "12 mA" --valve linear --effect static_friction --limit-cycle
       --kp "0 mA/mm" --ki "0.4 mA/(mm*s)" --out cycle
-  valvemodel linearise --model report/model.json --at "12 mA" --limit-cycle --lag "5 s" --dead-time "1 s" """
+  valvemodel linearise --model report/base.json --at "12 mA" --limit-cycle --lag "5 s" --dead-time "1 s" """,
 )
 @valve_option
-@click.option(
-    "--model",
-    "model_file",
-    metavar="MODEL.json",
-    type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
-)
+@model_option
 @click.option("--at", "place", required=True, metavar="CURRENT", help='Current of the operating point, as "12 mA".')
 @click.option(
     "--mode",
@@ -41,13 +37,7 @@ Examples:
     help="In slip on that branch, or stuck: small moves before the stem breaks away.  [default: all three]",
 )
 @click.option("--speed", default="0 m/s", show_default=True, metavar="SPEED", help="Of the stem in slip.")
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="KEY[:name=value,...]",
-    help="Switch an effect on, as in `valvemodel simulate`; may be given several times.",
-)
+@effects_option
 @click.option("--kp", metavar="GAIN", help='Of the PID, as "0.05 mA/mm".  [default: half of the inverse static gain]')
 @click.option("--ki", metavar="GAIN", help='As "0.1 mA/(mm*s)".  [default: the inverse static gain, per second]')
 @click.option("--kd", metavar="GAIN", default="0 A*s/m", show_default=True, help='As "0.001 mA*s/mm".')

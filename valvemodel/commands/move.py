@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from valvemodel.commands.given import valve_model, valve_option
+from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.given import model_option, valve_model, valve_option
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
@@ -17,20 +18,16 @@ if TYPE_CHECKING:
     from valvemodel.control.optimal_move import Move
 
 
-@click.command(
+@command(
+    short_help="The fastest move without overshoot.",
     epilog="""\b
 Examples:
   valvemodel move --to "150 mm" --from "12 mA" --rate "2 mA/s" --out move.csv
-  valvemodel move --model fitted/model.json --to "80 mm" --least travel --within "5 s" --out move.csv"""
+  valvemodel move --to "80 mm" --least travel --within "2 s" --out move.csv
+  valvemodel move --model fitted/model.json --to "150 mm" --out move.csv --json""",
 )
 @valve_option
-@click.option(
-    "--model",
-    "model_file",
-    metavar="MODEL.json",
-    type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
-)
+@model_option
 @click.option("--to", "target", required=True, metavar="QUANTITY", help='Reading that is wanted, as "150 mm".')
 @click.option(
     "--from",
@@ -65,6 +62,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Where the table goes; a name ending in .parquet makes it Parquet.",
 )
+@json_option
 def move(
     valve: str | None,
     model_file: Path | None,
@@ -77,6 +75,7 @@ def move(
     period: str,
     band: str,
     out: Path,
+    as_json: bool,
 ) -> None:
     """Find the current that moves a valve to a new position without overshoot, within 4..20 mA and a rate.
 
@@ -123,7 +122,10 @@ def move(
     )
     if not found.is_reached:
         warn(["the exact valve does not stay in the band under this current: widen it with --band"])
-    click.echo(_summary(found))
+    if as_json:
+        print_json(found.as_json())
+    else:
+        click.echo(_summary(found))
     click.echo(f"wrote {out}: {len(run.time)} rows", err=True)
 
 

@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from valvemodel.commands.given import valve_model, valve_option, with_effects
+from valvemodel.commands.command import command
+from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 
+if TYPE_CHECKING:
+    from valvemodel.records import Record
+    from valvemodel.simulation import Trajectory
 
-@click.command(
+
+@command(
+    short_help="What a valve would do under a current.",
     epilog="""\b
 Examples:
   valvemodel simulate --input ramps.csv --out out.csv
   valvemodel simulate --valve table2 --input ramps.csv --out out.csv
   valvemodel simulate --input ramps.csv --effect static_friction:static_friction_ratio=1.3 --out out.csv
   valvemodel simulate --model report/model.json --input ramps.csv --start-position "28.15 mm" --out out.csv
-  valvemodel simulate --model report/model.json --input record.csv --reanchor "2 s" --out out.csv"""
+  valvemodel simulate --model report/model.json --input record.csv --reanchor "2 s" --out out.csv""",
 )
 @valve_option
-@click.option(
-    "--model",
-    "model_file",
-    metavar="MODEL.json",
-    type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
-)
+@model_option
 @click.option(
     "--input",
     "input_file",
@@ -36,14 +37,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Columns `time [s]` and `current [mA]`; also Parquet and MAT.",
 )
-@click.option(
-    "--effect",
-    "effects",
-    multiple=True,
-    metavar="KEY[:name=value,...]",
-    help="Switch an effect on, with values in SI units or with a unit; values that are not named are the typical "
-    "ones, as `valvemodel effects KEY` shows them. May be given several times.",
-)
+@effects_option
 @click.option(
     "--start-position",
     metavar="QUANTITY",
@@ -84,7 +78,7 @@ def simulate(
     The base model is exact: sticking and slipping by mode, stops and breakaways in closed form, no step size.
     OUT.csv has time, current, pressure, position (the sensor's reading) and mode (stuck, rising, falling) at
     the input's times; a row shows the state just before its current acts. A position in the input is used by
-    --reanchor only.
+    --reanchor, and to say how far the run is off; it does not set the start.
     """
     if valve is not None and model_file is not None:
         raise click.UsageError("--valve and --model exclude each other: give one of them.")
@@ -124,17 +118,8 @@ def simulate(
         measured=record.position,
         reanchor=reanchor if reanchor in (None, AT_REST) else parse_quantity(reanchor, unit="s"),
     )
-    write_table(
-        out,
-        {
-            "time [s]": trajectory.time,
-            "current [mA]": 1e3 * trajectory.current,
-            "pressure [kPa]": 1e-3 * trajectory.pressure,
-            "position [mm]": 1e3 * trajectory.position,
-            "mode": trajectory.mode_names,
-        },
-    )
-    click.echo(f"wrote {out}: {len(record)} rows", err=True)
+    write_table(out, trajectory.columns())
+    click.echo(f"wrote {out}: {len(record)} rows{_off(record, trajectory)}", err=True)
     if events_file is not None:
         events = trajectory.events
         write_table(
@@ -147,3 +132,19 @@ def simulate(
             },
         )
         click.echo(f"wrote {events_file}: {len(events)} events", err=True)
+
+
+def _off(record: Record, trajectory: Trajectory) -> str:
+    """Say how far a run is off the measured position, where there is one."""
+    import numpy as np
+
+    from valvemodel.quantities import format_quantity
+
+    if record.position is None or record.position_unit != "m":
+        return ""
+    off = record.position - trajectory.position
+    known = off[np.isfinite(off)]
+    if not known.size:
+        return ""
+    rms = format_quantity(float(np.sqrt(np.mean(known**2))), "m", digits=3)
+    return f", {rms} (root mean square) off the measured position"

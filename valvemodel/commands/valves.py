@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.given import complete_valves
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -13,15 +16,16 @@ if TYPE_CHECKING:
     from valvemodel.valves import Valve
 
 
-@click.command(
+@command(
+    short_help="Which valves are known, and whether their numbers can be true.",
     epilog="""\b
 Examples:
   valvemodel valves
   valvemodel valves table2
-  valvemodel valves my_valve.toml --json"""
+  valvemodel valves my_valve.toml --json""",
 )
-@click.argument("names", nargs=-1, metavar="[SET|FILE]...")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON for machines.")
+@click.argument("names", nargs=-1, metavar="[SET|FILE]...", shell_complete=complete_valves)
+@json_option
 def valves(names: tuple[str, ...], as_json: bool) -> None:
     """List the valve sets with what is doubtful about them, or show every entry of those named.
 
@@ -50,12 +54,8 @@ def valves(names: tuple[str, ...], as_json: bool) -> None:
 
 
 def _print_json(found: list[Valve]) -> None:
-    import json
-
-    from valvemodel.files import finite
-
     content = {"schema": "valvemodel.valves/1", "valves": [_as_json(valve) for valve in found]}
-    click.echo(json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False))
+    print_json(content)
 
 
 def _as_json(valve: Valve) -> dict[str, Any]:

@@ -10,9 +10,9 @@ Report = Callable[[str, float], None]
 
 
 @contextmanager
-def progress_shown(*, is_quiet: bool = False) -> Iterator[Report]:
+def progress_shown() -> Iterator[Report]:
     """Open a line of progress and give the function that moves it: what is done, and a share from 0 to 1."""
-    if is_quiet or not sys.stderr.isatty():
+    if not sys.stderr.isatty():
         yield lambda what, share: None
         return
     from rich.console import Console

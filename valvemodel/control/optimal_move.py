@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -89,6 +90,17 @@ class Move:
     def is_reached(self) -> bool:
         """Whether the exact reading arrives in the band and stays there."""
         return math.isfinite(self.duration)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what the move costs; the current itself is in its table."""
+        return {
+            "schema": "valvemodel.move/1",
+            "target": {"value": self.target, "unit": "m"},
+            "is_reached": self.is_reached,
+            "duration": {"value": self.duration, "unit": "s"},
+            "overshoot": {"value": self.overshoot, "unit": "m"},
+            "travel": {"value": self.travel, "unit": "A"},
+        }
 
 
 @dataclass(frozen=True)
@@ -212,6 +224,9 @@ def least_travel(
     periods = max(arrival, len(ramp) - task.hold) + task.hold
     program = _program(task, periods)
     steered = _solved(program, arrival, np.append(ramp, np.full(periods - len(ramp), ramp[-1])), LEISURE)
+    if not steered.is_sound:
+        found = f"over {periods} periods the search ended without a solution"
+        raise InputError("a move of least travel is sought in some hundred periods", found, "take fewer or longer ones")
     if not steered.reaches:
         arrived = f"within {within:g} s the reading misses its band by {1e3 * steered.miss:.3g} mm"
         raise InputError("a move needs the time that it takes", arrived, "give it longer, or ask for the least time")

@@ -37,6 +37,13 @@ def read_header(text: str) -> Header:
     return Header(text, match[1].strip().lower(), unit.strip() or None)
 
 
+def read_identifier(text: str) -> Header:
+    """Split a column's name from its unit, which may also stand behind an underscore as in `current_mA`."""
+    header = read_header(text)
+    name = _unbracketed(header.text) if header.unit is None else None
+    return header if name is None else Header(header.text, name, _written_unit(name, header.text))
+
+
 def find_columns(headers: tuple[Header, ...]) -> dict[str, list[int]]:
     """Return for each known name the numbers of the columns that carry it."""
     found: dict[str, list[int]] = {}

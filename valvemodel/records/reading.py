@@ -1,21 +1,26 @@
-"""Reads a record from a file: columns by their names, numbers by their units, nothing guessed or repaired."""
+"""Reads a record from a file or a DataFrame: columns by name, numbers by unit, nothing guessed or repaired."""
 
 from __future__ import annotations
 
 import stat
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from valvemodel.errors import InputError
 from valvemodel.records.checks import check_column, check_length, check_motion
 from valvemodel.records.column import Cells, Column, has_decimal_comma, read_column
 from valvemodel.records.delimited import read_delimited
 from valvemodel.records.doubts import doubts
+from valvemodel.records.frame import read_frame
 from valvemodel.records.header import DIMENSIONS, find_columns, missing_column
 from valvemodel.records.matlab import read_matlab
 from valvemodel.records.measurement import Measurement
 from valvemodel.records.parquet import read_parquet
 from valvemodel.records.record import Record
 from valvemodel.records.sheet import Sheet
+
+if TYPE_CHECKING:
+    import pandas
 
 _LARGEST = 2 * 1024**3  # [bytes]: the cells of a text file take several times this in memory
 
@@ -28,21 +33,24 @@ _OTHER_KINDS = {
 
 
 def read_record(
-    path: str | Path,
+    source: str | Path | pandas.DataFrame,
     *,
+    name: str | None = None,
     rated_travel: float | None = None,
     needs: tuple[str, ...] = ("current", "position"),
     allow_loop: bool = True,
 ) -> Record:
-    """Read a record from a CSV, Parquet or MAT file.
+    """Read a record from a CSV, Parquet or MAT file, or from a DataFrame of pandas.
 
     Columns are found by name and unit, `current [mA]`, in any order and case; others are ignored. `%` is of
     4..20 mA for current and of the rated travel for position. Where current is missing, `force` may stand in.
 
     Parameters
     ----------
-    path : str or Path
-        The file.
+    source : str, Path or DataFrame
+        The file, or the table.
+    name : str, optional
+        What the record is called; by default the file's name without its suffix, or "table".
     rated_travel : float, optional
         Travel from 0 to 100 %, for positions in percent. Without it they stay fractions. [m]
     needs : tuple of str
@@ -65,32 +73,36 @@ def read_record(
     --------
     >>> record = read_record("valve.csv")  # doctest: +SKIP
     """
-    path = Path(path)
-    sheet = _open(path)
+    if isinstance(source, str | Path):
+        path = Path(source)
+        sheet, name, place = _open(path), name or path.stem, str(path)
+    else:
+        name, place = name or "table", None
+        sheet = read_frame(source, name)
     columns, warnings = _read(sheet, needs=needs, allow_loop=allow_loop)
     is_moving = "position" in needs
     measurement = Measurement(sheet, columns)
     check_length(measurement, is_moving=is_moving)
-    for name in tuple(columns):
+    for each in tuple(columns):
         try:
-            check_column(measurement, name)
+            check_column(measurement, each)
         except InputError as error:
-            if _is_required(name, columns, needs):
+            if _is_required(each, columns, needs):
                 raise
-            warnings.append(_left_out(columns.pop(name), error))
+            warnings.append(_left_out(columns.pop(each), error))
     if is_moving:
         check_motion(measurement)
     warnings += doubts(measurement, is_moving=is_moving)
     position = columns.get("position")
     in_percent = position is not None and position.is_percent
-    signals = {name: column.values for name, column in columns.items()}
+    signals = {each: column.values for each, column in columns.items()}
     if in_percent and rated_travel is not None:
         signals["position"] = signals["position"] * rated_travel
     elif in_percent and is_moving:
         warnings.append("position stays in percent: the valve's rated travel is not known")
     return Record(
-        path.stem,
-        str(path),
+        name,
+        place,
         **signals,
         position_unit="%" if in_percent and rated_travel is None else "m",
         warnings=tuple(warnings),

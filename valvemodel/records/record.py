@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from valvemodel.display import Card, Shown, record_card
 from valvemodel.errors import InputError
+from valvemodel.plots import Plotted
+
+if TYPE_CHECKING:
+    import pandas
 
 Signal = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Record:
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(Shown, Plotted):
     """Signals of one valve, each of shape (n,) or None where it was not recorded.
 
     Parameters
@@ -99,6 +105,30 @@ class Record:
             key: None if values is None else np.array(values, dtype=np.float64) for key, values in signals.items()
         }
         return cls(name, None, **arrays, position_unit=position_unit, warnings=warnings)
+
+    def columns(self) -> dict[str, Any]:
+        """Return the signals as a file has them, by name with unit, as `read_record` takes them."""
+        from valvemodel.records.table import usual_columns
+
+        return usual_columns(
+            **{name: values for name in SIGNALS if (values := getattr(self, name)) is not None},
+            is_percent=self.position_unit == "%",
+        )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Return a DataFrame of the signals, by name with unit, as `read_record` takes it.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+        """
+        from valvemodel.records.frame import make_frame
+
+        return make_frame(self.columns())
+
+    def _card(self) -> Card:
+        return record_card(self)
 
     def __len__(self) -> int:
         """Return the number of samples, or of pairs of a loop."""

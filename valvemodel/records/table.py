@@ -10,6 +10,28 @@ import numpy as np
 import polars
 
 from valvemodel.files import write_beside
+from valvemodel.quantities import scale_of
+from valvemodel.records.header import DIMENSIONS, USUAL
+
+
+def usual_columns(*, is_percent: bool = False, **signals: np.ndarray) -> dict[str, np.ndarray]:
+    """Return signals as a file has them, by name with unit.
+
+    Parameters
+    ----------
+    is_percent : bool
+        Whether the position is a share of the rated travel.
+    **signals : arrays, shape (n,)
+        By the names of a record. [SI]
+    """
+    columns = {}
+    for name, values in signals.items():
+        if name == "position" and is_percent:
+            columns["position [%]"] = 100.0 * values
+            continue
+        multiplier, divisor = scale_of(USUAL[name], DIMENSIONS[name])
+        columns[f"{name} [{USUAL[name]}]"] = values * divisor / multiplier
+    return columns
 
 
 def write_table(path: str | Path, columns: Mapping[str, Any]) -> None:

@@ -202,7 +202,8 @@ EFFECTS = (
         ),
         aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation"),
         told_apart_by=(
-            "a measured pressure tells it from magnet and nozzle; a straight scale on the stem from the linkage"
+            "a measured pressure (from magnet and nozzle), a straight scale on the stem (from the linkage), the force "
+            "at a blocked stem (from the area)"
         ),
     ),
     Effect(

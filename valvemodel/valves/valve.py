@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from valvemodel.display import Card, Shown, valve_card
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -17,8 +19,8 @@ class Entry:
     is_given: bool = True
 
 
-@dataclass(frozen=True)
-class Valve:
+@dataclass(frozen=True, repr=False)
+class Valve(Shown):
     """The base model's numbers for one valve.
 
     Parameters
@@ -44,3 +46,6 @@ class Valve:
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
         object.__setattr__(self, "entries", MappingProxyType(dict(self.entries)))
+
+    def _card(self) -> Card:
+        return valve_card(self)

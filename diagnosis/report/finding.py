@@ -1,0 +1,44 @@
+"""What a diagnosis found: the cause that its verdict speaks of, with those that look the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from diagnosis.report.amounts import is_number
+from diagnosis.report.naming import DECLARED
+from valvemodel.declarations import STAGES
+
+SURE, LIKELY = 0.9, 0.6
+"""Probabilities from which a cause is named without reserve, and as the most likely one."""
+WORTH_SAYING = 0.05
+"""Probability from which another cause is mentioned on the first screen."""
+
+
+def found_cause(diagnosis: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the cause that the verdict speaks of: the best one with effects, the base for `none`."""
+    causes = diagnosis.get("causes") or ()
+    wants_effects = diagnosis["verdict"] != "none"
+    for cause in causes:
+        if bool(cause["effects"]) == wants_effects:
+            return cause
+    return {"effects": [], "probability": None}
+
+
+def family_probability(diagnosis: Mapping[str, Any]) -> float | None:
+    """Return the probability of the cause together with those that the record cannot tell from it."""
+    found = found_cause(diagnosis)
+    if not is_number(found.get("probability")):
+        return None
+    family = {frozenset(each) for each in found.get("indistinguishable_from") or ()}
+    family.discard(frozenset(found["effects"]))
+    others = (cause for cause in diagnosis.get("causes") or () if frozenset(cause["effects"]) in family)
+    return min(1.0, found["probability"] + sum(each["probability"] or 0.0 for each in others))
+
+
+def own_stages(diagnosis: Mapping[str, Any]) -> list[str]:
+    """Return the stages of the effects found, in the order of the chain; none where no effect was found."""
+    if diagnosis["verdict"] != "effect":
+        return []
+    own = {DECLARED[key].stage for key in found_cause(diagnosis)["effects"] if key in DECLARED}
+    return [stage for stage in STAGES if stage in own]
