@@ -1,0 +1,33 @@
+"""Effects without a closed form against an adaptive integrator of high order that shares no code with the simulator."""
+
+import numpy as np
+import pytest
+from independent_chain import IndependentChain
+from simulation_runs import base_model, ramps_and_steps, run, with_effects
+
+from identification.problem import FINE_TOLERANCE, SEARCH_TOLERANCE
+from valvemodel.trajectory import TOLERANCE
+
+INTEGRATED = (
+    "coil_lag", "gap_drift", "chamber_filling", "asymmetric_filling", "supply_droop", "stribeck",
+    "position_dependent_friction", "presliding", "spring_hardening", "load_force", "friction_drift",
+)  # fmt: skip
+
+BOUNDS = {TOLERANCE: 1e-9, FINE_TOLERANCE: 1e-7, SEARCH_TOLERANCE: 5e-5}
+"""What a run is off at most, by its tolerance. [m]"""
+
+PAIRS = (
+    ("area_variation", "load_force"), ("friction_drift", "load_force"), ("chamber_filling", "spring_hardening"),
+    ("coil_lag", "position_dependent_friction"), ("supply_droop", "friction_drift"), ("gap_drift", "stribeck"),
+    ("magnetic_hysteresis", "coil_lag"), ("asymmetric_filling", "sensor_lag"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("keys", [*((key,) for key in INTEGRATED), *PAIRS], ids=" ".join)
+def test_run_is_within_its_tolerance(keys):
+    model = with_effects(base_model(), *keys)
+    time, current = ramps_and_steps(seconds=3.0, seed=1)
+    row = model.rows()[0]
+    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    for tolerance, bound in BOUNDS.items():
+        assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
