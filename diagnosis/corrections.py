@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
+from identification.problem import SEARCH_TOLERANCE
 from valvemodel import chain, runs
 from valvemodel.parameters import MEMORY, STATE
 
@@ -109,7 +109,7 @@ class Corrected:
         for number, drive in enumerate(self.pressure + self.pressure_of_noise * shifts):
             runs.run_chain(
                 self.rows, states, memories, self.experiment.time, drive, runs.FREE, chain.PRESSURE,
-                SEARCH_SUBSTEP, SEARCH_TOLERANCE, readings[number : number + 1], runs.NONE, runs.NONE,
+                SEARCH_TOLERANCE, readings[number : number + 1], runs.NONE, runs.NONE,
             )  # fmt: skip
         return readings
 

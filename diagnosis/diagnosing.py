@@ -252,14 +252,14 @@ def diagnose(
     with workers(jobs) as pool:
         tried = select(first, holdout, library, pool, progress)
     floors = floors_of(tried, holdout)
-    judgement = judge(tried, floors)
+    judgement = judge(tried)
     yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
     causes = causes_of(tried, judgement, floor, yardstick)
     verdict = verdict_of(causes, judgement)
     shown = next(each for each in tried if each.effects == causes[0].effects)
     as_given = errors_as_given(model, holdout, yardstick)
-    control = control_of(tried, holdout, floors, yardstick)
+    control = control_of(tried, holdout, yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)

@@ -47,7 +47,11 @@ class Errors:
     @property
     def mean(self) -> float:
         """Mean weighted square: 1 where the noise is reached."""
-        return float(self.weighted.sum() / (self.counts.sum() * self.signals))
+        return self.mean_of(np.ones(len(self.weighted), bool))
+
+    def mean_of(self, blocks: np.ndarray) -> float:
+        """Return the mean weighted square of some blocks, a mask of shape (blocks,)."""
+        return float(self.weighted[blocks].sum() / (self.counts[blocks].sum() * self.signals))
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,30 +16,40 @@ from diagnosis.score import Score, score_fit
 from identification.extension import extend, screened
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
+GENEROUS = 4.0
+"""Factor by which two effects may leave more than one, in square, before a third is looked for."""
+
 LEADERS = 2
 """Best causes that are tried with one more effect."""
 
-SHORTLIST = 5
-"""Effects that are tried on top of each leader, by what they promise on its residual."""
+SHORTLIST, SHORTLIST_BACK = 6, 4
+"""Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
 
-GOOD_ENOUGH = 1.06
-"""Mean weighted square at which the noise is reached and no further effect is looked for."""
+GOOD_ENOUGH = 1.3
+"""Mean weighted square up to which what is left is below notice."""
 
-FORM_SHARE = 0.2
+FORM_SHARE = 0.05
 """Share of the base's error, in root mean square, that the right effect may leave for another form than ours."""
 
-NEAR_THE_BEST = 1.6
+NEAR_THE_BEST = 2.0
 """Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
 
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
+
+SHORTLIST_CHAOTIC = 2
+"""The same on top of a cause whose runs take long."""
+
+LEAST_STOPS = 10
+"""Rests of the stem on its way from which effects that can show so are looked for first."""
 
 Progress = Callable[[str, float], None]
 
@@ -68,6 +78,19 @@ class Candidate:
     freedom: int = 0
 
 
+@dataclass(frozen=True)
+class Work:
+    """One extension to be tried: a fit, the cause with the new effect last, and known values of the new effect.
+
+    `is_global` says whether an effect whose error has many minima is searched for globally, which takes seconds.
+    """
+
+    fit: Fit
+    effects: tuple[str, ...]
+    known: dict[str, float] | None = None
+    is_global: bool = False
+
+
 @contextmanager
 def workers(jobs: int | None = None) -> Iterator[Executor | None]:
     """Open processes that share the compiled simulator; None where there is only one core."""
@@ -84,12 +107,19 @@ def workers(jobs: int | None = None) -> Iterator[Executor | None]:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def try_effect(fit: Fit, effects: tuple[str, ...], holdout: Holdout) -> Candidate:
-    """Extend a fit by the last of a cause's effects and score it."""
+def try_effect(
+    fit: Fit,
+    effects: tuple[str, ...],
+    holdout: Holdout,
+    known: dict[str, float] | None = None,
+    *,
+    is_global: bool = True,
+) -> Candidate:
+    """Extend a fit by the last of a cause's effects, from known values of it too, and score it."""
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        extended = extend(fit, effects[-1])
+        extended = extend(fit, effects[-1], known, is_global=is_global)
         freedom = sum(len(effect_of_key(key).fitted) for key in effects)
         return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
@@ -110,34 +140,90 @@ def trace_of(fit: Fit, holdout: Holdout) -> float:
 def select(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
+    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
+    return try_together(try_alone(base, holdout, library, pool, progress), holdout, pool, progress)
 
-    The effects that need a global search come last, and only where no other one explains the gap.
-    """
+
+def try_alone(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try every effect alone; those that need a global search come last, and only where no other explains the gap."""
     tried = [base]
-    for is_jagged in (False, True):
-        keys = [effect.key for effect in library if effect.is_jagged == is_jagged]
-        if is_jagged and any(explains(each, base) for each in tried):
+    has_stops = stops_seen(base.fit)
+    for round_of in rounds(library):
+        if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
             break
-        tried += try_all([(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
+        keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
+        tried += try_all(
+            [Work(base.fit, (key,), is_global=True) for key in keys], holdout, pool, progress, "effects one by one"
+        )
+    return tried
+
+
+def try_together(
+    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try further effects on top of the best, as long as unseen data gain from it.
+
+    After each round the best cause is looked at backwards: from what it is without its first effect, in case that one
+    only stood in for another.
+
+    Parameters
+    ----------
+    alone : sequence of Candidate
+        The base, then the effects one by one.
+    """
+    tried, base = list(alone), alone[0]
+    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
     for size in range(2, MOST_EFFECTS + 1):
-        order = sorted((each for each in tried if len(each.effects) == size - 1), key=misfit)
+        if explains(min(tried, key=misfit), base, generous=size > 2):
+            break
+        order = best_of(tried, size - 1)
         leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
-        if explains(min(tried, key=misfit), base):
+        if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
-        work: list[tuple[Fit, tuple[str, ...]]] = []
-        for leader in leaders:
-            for key in shortlist(leader.fit, library):
-                effects = (*leader.effects, key)
-                if not any(set(effects) == set(other) for _, other in work):
-                    work.append((leader.fit, effects))
-        if not work:
+        what = f"{size} effects together"
+        tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
+        if not best_of(tried, size):
             break
-        tried += try_all(work, holdout, pool, progress, f"{size} effects together")
-        best = min((each for each in tried if len(each.effects) == size), key=misfit)
-        if misfit(best) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
+        rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
+        tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
+        if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
+    """Return the causes of so many effects, the best first."""
+    return sorted((each for each in tried if len(each.effects) == size), key=misfit)
+
+
+def extensions(
+    leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]], count: int
+) -> list[Work]:
+    """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
+    known = {frozenset(each.effects) for each in tried}
+    work: list[Work] = []
+    for leader in leaders:
+        is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
+        for key in shortlist(leader.fit, single, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
+            effects = (*leader.effects, key)
+            if frozenset(effects) not in known:
+                known.add(frozenset(effects))
+                work.append(Work(leader.fit, effects, single[key]))
+    return work
+
+
+def rounds(library: Sequence[Effect]) -> list[list[str]]:
+    """Return the keys in the order of trying: first what a local search finds, then what needs a global one."""
+    keys = [[effect.key for effect in library if effect.is_jagged == is_jagged] for is_jagged in (False, True)]
+    return [each for each in keys if each]
+
+
+def stops_seen(fit: Fit) -> bool:
+    """Return whether the measured stem rests again and again where a fit's keeps moving."""
+    stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
+    return max(stops) >= LEAST_STOPS
 
 
 def misfit(candidate: Candidate) -> float:
@@ -145,14 +231,14 @@ def misfit(candidate: Candidate) -> float:
     return candidate.score.misfit
 
 
-def explains(candidate: Candidate, base: Candidate) -> bool:
+def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:
     """Return whether a cause leaves so little that no further effect is looked for.
 
-    Either the noise is reached, or what is left is a small part of what the base left: as much as the right effect
-    leaves when it has another form than ours.
+    What is left is below notice, beside a small part of what the base left: as much as the right effect leaves when it
+    has another form than ours; several effects, judged generously, leave more.
     """
-    left, before = misfit(candidate) - 1.0, misfit(base) - 1.0
-    return misfit(candidate) < GOOD_ENOUGH or left < FORM_SHARE**2 * before
+    allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
+    return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
 
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:
@@ -162,28 +248,32 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
     return [effect for effect in named if not (is_loop and effect.acts_in_time)]
 
 
-def shortlist(fit: Fit, library: Sequence[Effect]) -> list[str]:
+def shortlist(fit: Fit, single: dict[str, dict[str, float]], count: int) -> list[str]:
     """Return the effects that promise most on what a fit leaves over, one that needs a global search among them."""
-    keys = [effect.key for effect in library if effect.key not in fit.model.effects]
-    gains = {key: max((trial.gain for trial in screened(fit, effect_of_key(key))), default=0.0) for key in keys}
+    keys = [key for key in single if key not in fit.model.effects]
+    gains = {
+        key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
+    }
     order = sorted(keys, key=lambda key: -gains[key])
-    jagged = [key for key in order if effect_of_key(key).is_jagged]
-    return [key for key in order if key not in jagged[1:]][:SHORTLIST]
+    has_cause = any(effect_of_key(key).stops_again for key in fit.model.effects)
+    certain = [key for key in keys if effect_of_key(key).stops_again] if not has_cause and stops_seen(fit) else []
+    return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
 
 
 def try_all(
-    work: Sequence[tuple[Fit, tuple[str, ...]]],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    what: str,
+    work: Sequence[Work], holdout: Holdout, pool: Executor | None, progress: Progress, what: str
 ) -> list[Candidate]:
     """Try a list of extensions, on all cores where there is a pool."""
     done: list[Candidate] = []
     jobs: list[Future[Candidate]] = []
     if pool is not None:
-        jobs = [pool.submit(try_effect, fit, effects, holdout) for fit, effects in work]
-    for number, (fit, effects) in enumerate(work):
-        progress(f"{what}: {' + '.join(effects)}", number / len(work))
-        done.append(jobs[number].result() if jobs else try_effect(fit, effects, holdout))
+        jobs = [pool.submit(try_work, each, holdout) for each in work]
+    for number, each in enumerate(work):
+        progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
+        done.append(jobs[number].result() if jobs else try_work(each, holdout))
     return done
+
+
+def try_work(work: Work, holdout: Holdout) -> Candidate:
+    """Try one extension."""
+    return try_effect(work.fit, work.effects, holdout, work.known, is_global=work.is_global)

@@ -56,10 +56,10 @@ class Control:
         ]
 
 
-def control_of(tried: Sequence[Candidate], holdout: Holdout, floors: tuple[float, float], yardstick: str) -> Control:
+def control_of(tried: Sequence[Candidate], holdout: Holdout, yardstick: str) -> Control:
     """Judge sham effects beside the candidates that were tried, the base first among these."""
     shams = shams_on(tried[0], holdout)
-    judgement = judge([*tried, *shams], floors)
+    judgement = judge([*tried, *shams])
     weights = judgement.probabilities / judgement.probabilities.sum()
     gaps: list[Errors] = [getattr(each.score, yardstick) for each in shams]
     return Control(len(shams), float(weights[len(tried) :].sum()), min(each.rms for each in gaps))

@@ -30,9 +30,6 @@ ANCHOR_TOLERANCE = 1.5
 LEAST_LOOP_NOISE = 1e-4
 """Noise of a settled loop over its range, where its readings show less."""
 
-MOST_PARTS = 20
-"""A search cuts a period of a slow record into no more parts; that moves a reading by under a tenth of its noise."""
-
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
 
@@ -97,14 +94,6 @@ class Experiment:
                 anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
         return anchors
 
-    def part(self, substep: float) -> float:
-        """Return the longest part that a search cuts a period into, given the substep of a fast record. [s]"""
-        return substep if self.is_loop else max(substep, self._period / MOST_PARTS)
-
-    @cached_property
-    def _period(self) -> float:
-        return float(np.median(np.diff(self.time)))
-
     @property
     def first_reading(self) -> float:
         """Median of the first readings: where a search for the start position begins. [m]"""
@@ -163,7 +152,6 @@ def simulate_rows(
     experiment: Experiment,
     rows: np.ndarray,
     *,
-    substep: float,
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     with_pressure: bool = False,
@@ -182,7 +170,7 @@ def simulate_rows(
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     runs.run_chain(
         rows, states, np.zeros(1, MEMORY), experiment.time, experiment.current, anchors, chain.CURRENT,
-        experiment.part(substep), tolerance, position, pressure, mode,
+        tolerance, position, pressure, mode,
     )  # fmt: skip
     return Simulated(position, pressure, mode)
 
@@ -204,7 +192,6 @@ def score_rows(
     used: np.ndarray,
     rows: np.ndarray,
     *,
-    substep: float,
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     in_closed_form: bool = False,
@@ -217,6 +204,6 @@ def score_rows(
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     runs.score_rows(
         rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, anchors,
-        chain.CURRENT, experiment.part(substep), tolerance, np.empty((1, len(measured))), sums,
+        chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
     )  # fmt: skip
     return sums

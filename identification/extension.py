@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,8 +23,8 @@ WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
 SEARCH_SIZE = 3
-SEARCH_GENERATIONS = 70
-"""Points of a global search for each unknown, and generations."""
+SEARCH_GENERATIONS, CHAOTIC_GENERATIONS = 70, 30
+"""Points of a global search for each unknown, and generations: fewer where a run takes long and ends nowhere exact."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,18 @@ class Trial:
     gain: float
 
 
+ANSWER = 0.5
+"""Farthest that an unknown of the fit moves in answer to a start of an effect, scaled."""
+
+WORTH_POLISHING = 1e-3
+"""Share of the error that a search must have gained to be followed to its end."""
+
+SHRUNK = 0.1
+"""Share of a start's size that is tried where the start itself leads away from the fit."""
+
+
 @threadpool_limits.wrap(limits=1)
-def extend(fit: Fit, key: str) -> Fit:
+def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_global: bool = True) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
     Parameters
@@ -45,25 +56,65 @@ def extend(fit: Fit, key: str) -> Fit:
         Of the model without the effect; its unknowns stay free.
     key : str
         The effect.
+    known : dict or None
+        Values of the effect from another fit, one more start. [SI]
+    is_global : bool
+        Whether an effect whose error has many minima is searched for globally, which takes seconds, and whether each
+        choice of a number that no fit moves is followed on its own.
 
     Returns
     -------
     Fit
-        The best found; it may be the model with the effect at a value that changes nothing.
+        The best found, no worse than the fit without; it may be the model with the effect at a value that changes
+        nothing.
     """
     effect = effect_of_key(key)
-    trials = screened(fit, effect)
-    if effect.is_jagged and trials[0].gain > 0.0:
+    trials = screened(fit, effect, known)
+    if effect.is_jagged and is_global and trials[0].gain > 0.0:
         searched = [search_jagged(fit, effect, group) for group in alike(effect, trials)]
         problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
-        followed = [
-            (trial.problem, descend(trial.problem, trial.point, evaluations=12, precision=1e-3))
-            for group in alike(effect, trials)
-            for trial in group[:KEPT_STARTS]
-        ]
-        problem, best = min(followed, key=lambda pair: pair[1].error)
+        groups = alike(effect, trials) if is_global else [trials]
+        problem, best = min((followed(fit, group) for group in groups), key=lambda pair: pair[1].error)
+    if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
+        return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:
+    """Follow the most promising starts some way down, and the best of them further."""
+    starts = [(trial.problem, trial.point) for trial in group[:KEPT_STARTS]]
+    starts.append((group[0].problem, as_given(fit, group[0])))
+    begun = [(problem, descend(problem, point, evaluations=5, precision=1e-3)) for problem, point in starts]
+    problem, best = min(begun, key=lambda pair: pair[1].error)
+    return problem, descend(problem, best.point, evaluations=10, precision=1e-3)
+
+
+def as_given(fit: Fit, trial: Trial) -> np.ndarray:
+    """Return a start with the base valve's numbers as they were given: those refitted without the effect mislead."""
+    point = trial.point.copy()
+    for number, unknown in enumerate(fit.unknowns):
+        if unknown.name in fit.model.values:
+            point[number] = 0.0
+    return point
+
+
+def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
+    """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
+    start = trials[0].problem.model.effects[effect.key]
+    neutral = {parameter.name: parameter.neutral for parameter in effect.parameters}
+    small = {
+        each.name: neutral[each.name] + SHRUNK * (start[each.name] - neutral[each.name])
+        if each.scale == "linear" and each.is_fitted and math.isfinite(each.neutral)
+        else start[each.name]
+        for each in effect.parameters
+    }
+    problem, point = joined(fit.problem, fit.found.point, effect, small)
+    best = descend(problem, point, evaluations=10, precision=1e-4)
+    if best.error <= fit.found.error:
+        return problem, best
+    problem, point = joined(fit.problem, fit.found.point, effect, neutral)
+    return problem, Found(point, fit.found.error)
 
 
 def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
@@ -97,8 +148,9 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
+    generations = CHAOTIC_GENERATIONS if effect.is_chaotic else SEARCH_GENERATIONS
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
-        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=SEARCH_GENERATIONS)
+        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=generations)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:
@@ -108,26 +160,38 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     return problem, Found(point, float(errors(problem, point[None, :])[0]))
 
 
-def screened(fit: Fit, effect: Effect) -> list[Trial]:
+def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) -> list[Trial]:
     """Return the starts of an effect, the most promising first.
 
-    Each is run once; its promise is how much of the residual the change of the trajectory explains, at any size and
-    beside whatever the unknowns of the fit could do (linearised).
+    Each is run once, and once more after the unknowns of the fit have answered it (linearised). Its promise is how
+    much less error that leaves, or how much of the residual the change of the trajectory explains at any size.
     """
     problem, point = fit.problem, fit.found.point
     residual = problem.residuals(point[None, :])[0]
-    basis, _ = np.linalg.qr(problem.jacobian(point))
+    basis, triangle = np.linalg.qr(problem.jacobian(point))
     left = residual - basis @ (basis.T @ residual)
-    trials = []
-    for start in starts_of(effect, list(problem.experiments), residual_positions(fit)):
-        trial_problem, trial_point = joined(problem, point, effect, start)
-        change = trial_problem.residuals(trial_point[None, :])[0][: len(residual) - len(point)]
-        change = np.append(change, np.zeros(len(point))) - np.append(residual[: len(change)], np.zeros(len(point)))
-        change -= basis @ (basis.T @ change)
-        size = float(change @ change)
-        gain = float(left @ change) ** 2 / size if size > 0.0 else 0.0
-        trials.append(Trial(trial_problem, trial_point, gain))
+    starts = list(starts_of(effect, list(problem.experiments), residual_positions(fit)))
+    trials = [promise(fit, effect, start, left, basis, triangle) for start in [*starts, *([known] if known else [])]]
     return sorted(trials, key=lambda trial: -trial.gain)
+
+
+def promise(
+    fit: Fit, effect: Effect, start: dict[str, float], left: np.ndarray, basis: np.ndarray, triangle: np.ndarray
+) -> Trial:
+    """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
+    problem, point = joined(fit.problem, fit.found.point, effect, start)
+    samples, known = len(left) - len(fit.found.point), len(fit.found.point)
+    there = problem.residuals(point[None, :])[0][: samples + known]
+    change = there - left
+    change -= basis @ (basis.T @ change)
+    size = float(change @ change)
+    linear = float(left @ change) ** 2 / size if size > 0.0 else 0.0
+    answered = point.copy()
+    answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ there), -ANSWER, ANSWER)
+    answered = np.clip(answered, *problem.bounds)
+    before, after = errors(problem, np.stack([point, answered]))
+    gained = 2.0 * (fit.found.error - min(before, after))
+    return Trial(problem, answered if after < before else point, max(linear, gained))
 
 
 def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:

@@ -9,7 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment, Simulated, simulate_rows
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE, Problem
+from identification.problem import SEARCH_TOLERANCE, Problem
 from identification.search import Found, descend
 from identification.unknowns import Unknown, base_unknowns, start_unknown
 from identification.wide import search_wide
@@ -60,7 +60,6 @@ def simulate_model(
     return simulate_rows(
         experiment,
         model.rows(start_position=start_position),
-        substep=SEARCH_SUBSTEP,
         tolerance=SEARCH_TOLERANCE,
         anchors=experiment.anchors if is_anchored else runs.FREE,
         with_pressure=True,

@@ -14,9 +14,11 @@ from valvemodel import runs
 from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
-SEARCH_SUBSTEP = 0.01
-SEARCH_TOLERANCE = 2.0
-"""Coarser than the simulator's default: within 0.02 mm of it, a tenth of the noise, and several times faster."""
+SEARCH_TOLERANCE = 1e-5
+"""Coarser than the simulator's default: within 0.05 mm of it, a part of the noise, and several times faster. [m]"""
+
+FINE_TOLERANCE = 1e-7
+"""Of runs that are differenced: far below any noise, and several times faster than the simulator's default. [m]"""
 
 LOST = 1e6
 """What counts in place of a residual that is no number. [noise]"""
@@ -39,7 +41,7 @@ class Problem:
         Which samples of each experiment count.
     is_anchored : bool
         Whether each run is put anew on its experiment's anchors, else it runs free.
-    substep, tolerance : float [s], [N]
+    tolerance : float [m]
         Of the simulator.
     """
 
@@ -48,7 +50,6 @@ class Problem:
     unknowns: Sequence[Unknown]
     used: Sequence[np.ndarray]
     is_anchored: bool = False
-    substep: float = SEARCH_SUBSTEP
     tolerance: float = SEARCH_TOLERANCE
     _rows: np.ndarray = field(init=False, repr=False)
 
@@ -91,7 +92,6 @@ class Problem:
         return simulate_rows(
             experiment,
             self.rows(points, number),
-            substep=self.substep,
             tolerance=self.tolerance,
             anchors=experiment.anchors if self.is_anchored else runs.FREE,
             with_pressure=experiment.pressure is not None,

@@ -66,7 +66,6 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             experiment,
             used,
             rows,
-            substep=problem.substep,
             tolerance=problem.tolerance,
             anchors=anchors,
             in_closed_form=problem.settles,

@@ -36,6 +36,15 @@ BASE_PARAMETERS = (
     ),
     Parameter("travel_min", "m", "lower travel stop", -10.0, 10.0, -math.inf, is_fitted=False),
     Parameter("travel_max", "m", "upper travel stop", -10.0, 10.0, math.inf, is_fitted=False),
+    Parameter(
+        "restitution",
+        "1",
+        "speed after hitting an end of the travel over speed before",
+        0.0,
+        0.95,
+        0.0,
+        is_fitted=False,
+    ),
     Parameter("rated_travel", "m", "travel from 0 to 100 %", 1e-4, 10.0, 0.25, is_fitted=False),
     Parameter(
         "pressure_at_zero_current",

@@ -14,7 +14,7 @@ from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, PARAMETERS, STATE
 from valvemodel.simulation import anchors_of, check_input
-from valvemodel.trajectory import SUBSTEP, TOLERANCE
+from valvemodel.trajectory import TOLERANCE
 
 CHUNK = 64
 """Rows that a core takes at a time, so that an interrupt is heard soon."""
@@ -32,7 +32,6 @@ def objectives(
     current: np.ndarray,
     position: np.ndarray,
     reanchor: float | None = None,
-    substep: float = SUBSTEP,
     tolerance: float = TOLERANCE,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
@@ -50,8 +49,8 @@ def objectives(
         Measured readings; NaN counts for nothing.
     reanchor : float
         Put each run on the measured reading every so often [s]; by default it runs free.
-    substep, tolerance : float
-        As in `simulate`. [s], [N]
+    tolerance : float
+        As in `simulate`. [m]
     workers : int
         Threads; by default one for each core.
     progress : callable
@@ -76,7 +75,7 @@ def objectives(
             some["start_position"] = np.where(np.isnan(some["start_position"]), anchors[0], some["start_position"])
         runs.score_rows(
             some, np.zeros(1, STATE), np.zeros(1, MEMORY), time, currents[index], measured[index], anchors,
-            CURRENT, substep, tolerance, np.empty((1, len(time))), sums[index, part],
+            CURRENT, tolerance, np.empty((1, len(time))), sums[index, part],
         )  # fmt: skip
 
     _in_parallel(score, len(currents), len(rows), workers, progress)
@@ -88,7 +87,6 @@ def readings(
     *,
     time: np.ndarray,
     current: np.ndarray,
-    substep: float = SUBSTEP,
     tolerance: float = TOLERANCE,
     workers: int | None = None,
     at_once: int = 256,
@@ -117,7 +115,7 @@ def readings(
         ) -> None:
             runs.run_chain(
                 some[part], np.zeros(len(some[part]), STATE), np.zeros(1, MEMORY), time, drive, runs.FREE,
-                CURRENT, substep, tolerance, found[part], runs.NONE, runs.NONE,
+                CURRENT, tolerance, found[part], runs.NONE, runs.NONE,
             )  # fmt: skip
 
         _in_parallel(run, 1, len(some), workers, None)

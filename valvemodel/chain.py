@@ -7,9 +7,11 @@ import math
 from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
-from valvemodel.stages.line import enter_line, leave_line, next_arrival, rest_line
-from valvemodel.stages.motion import DRIFT_HOLD, advance_stem, glide, longest_hold, plan_stem
+from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
+from valvemodel.stages.motion import advance_stem, glide, glide_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
+from valvemodel.stages.part import hold_pressure, lay_part
+from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import (
     bow,
     follow_steadily,
@@ -20,6 +22,7 @@ from valvemodel.stages.sensor import (
 )
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK, put_stem, rest_stem
+from valvemodel.stages.travel import SHORTEST_STEP
 
 RECORDS = (PARAMETERS, STATE, MEMORY)
 
@@ -29,24 +32,23 @@ CURRENT, PRESSURE = 0, 1
 TICKS = 1.26e12
 """In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
 
-PART_GROWTH = 0.02
-"""Part length over the time since the drive was switched, while the pressure moves."""
+CHATTER = 64
+"""Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
-PART_STRETCH = 1.5
-"""Parts are lengthened when they could be longer by this factor."""
 
-ROUNDING_SHARE = 1e-6
-"""Parts that differ by less than this share are equal but for rounding."""
+MOST_STEPS, STEPS_PER_SECOND = 2000, 1e5
+"""Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
 
-MOST_EVENTS = 100_000
-"""Events within one period beyond which a stem is taken to be at rest; a guard, never reached by sound parameters."""
+COARSEST = 1.0
+"""A tolerance beyond all travel. [m]"""
 
 
 @compiled
 def has_pressure_dynamics(p):
     """Return whether the pressure moves while the current is held."""
     return (
-        p.coil_time_constant > 0.0
+        p.gap_drift_rate != 0.0
+        or p.coil_time_constant > 0.0
         or p.chamber_filling_time > 0.0
         or p.fill_time > 0.0
         or p.vent_time > 0.0
@@ -62,7 +64,6 @@ def maps_plainly(p):
     return (
         p.saturation_slope == 1.0
         and p.hysteresis_half_width == 0.0
-        and p.gap_drift_rate == 0.0
         and p.pressure_per_current == 0.0
         and p.compressible_share == 0.0
         and p.leak_ratio == 0.0
@@ -71,31 +72,26 @@ def maps_plainly(p):
 
 
 @compiled
-def plan_run(p, state, driven_by, substep):
+def plan_run(p, state, driven_by, tolerance):
     """Write down once a run what does not change during it."""
-    plan_stem(p, state)
+    plan_stem(p, state, tolerance)
     state.lag_duration = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
-    longest = longest_hold(p, substep)
-    if p.gap_drift_rate != 0.0 and driven_by == CURRENT:
-        longest = min(longest, DRIFT_HOLD)
-    if state.plan_moving == 1.0:
-        longest = min(longest, substep)
-    state.plan_longest = longest
     state.plan_current = driven_by == CURRENT
     state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
 
 
 @apart(RECORDS, 4)
-def start_chain(p, state, memory, drive, driven_by, time, substep):
+def start_chain(p, state, memory, drive, driven_by, time, tolerance):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
-    plan_run(p, state, driven_by, substep)
+    plan_run(p, state, driven_by, tolerance)
     if driven_by == CURRENT:
         rest_electromagnet(p, state, drive)
         gap = gap_of_current(p, state.hysteresis_input, time)
         rest_nozzle(p, state, gap, state.hysteresis_input)
     else:
         state.pressure = drive
+    state.part_aim, state.rest_drive = math.inf, drive if p.gap_drift_rate == 0.0 else math.nan
     if math.isnan(p.start_position):
         rest_stem(p, state, state.pressure, time)
     else:
@@ -130,24 +126,30 @@ def note_events(state, memory, time, step, before, mode_before):
         note_event(memory, time + step, state.position, speed, mode_before, state.mode)
 
 
-@apart(RECORDS, 4)
-def move_by_events(p, state, memory, pressure, time, duration, tolerance):
-    """Move stem and sensor through a duration, from event to event."""
-    used = 0.0
-    for _ in range(MOST_EVENTS):
-        left = duration - used
-        if left <= 0.0:
-            return
+@apart(RECORDS, 3)
+def move_by_events(p, state, memory, time, duration, tolerance):
+    """Move stem and sensor through a duration of the part, from event to event.
+
+    What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
+    """
+    used, in_a_row, pause, steps = 0.0, 0, SHORTEST_STEP, 0
+    while used < duration and tolerance <= COARSEST:
+        steps += 1
+        if steps > MOST_STEPS + STEPS_PER_SECOND * duration:
+            tolerance, steps = 10.0 * tolerance, 0
         before, mode_before = state.position, state.mode
-        state.trace_velocity = state.trace_acceleration = 0.0
+        memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
         state.trace_next_velocity = state.trace_next_acceleration = 0.0
-        step = advance_stem(p, state, pressure, time + used, left, tolerance)
-        follow_stem(p, state, before, state.position, step)
+        step = advance_stem(p, state, memory, time + used, duration - used, tolerance)
+        follow_stem(p, state, memory, before, state.position, step)
         if memory.notes_events == 1.0:
             note_events(state, memory, time + used, step, before, mode_before)
+        in_a_row = in_a_row + 1 if step <= SHORTEST_STEP else 0
+        if in_a_row == CHATTER:
+            # It would go on so for ever: it rests a moment, and then for twice as long.
+            come_to_rest(state)
+            step, in_a_row, pause = min(pause, duration - used), 0, 2.0 * pause
         used += step
-    state.velocity = 0.0
-    state.mode = STUCK
 
 
 @inlined
@@ -156,17 +158,18 @@ def move_stem(p, state, memory, pressure, time, duration, tolerance):
     if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
         follow_steadily(p, state)
     else:
-        move_by_events(p, state, memory, pressure, time, duration, tolerance)
+        hold_pressure(memory, pressure)
+        move_by_events(p, state, memory, time, duration, tolerance)
 
 
 @inlined
 def hold_drive(p, state, memory, drive, time, duration, tolerance):
-    """Hold a current at the electromagnet, and the mean pressure that it gives at the stem; or hold a pressure."""
+    """Hold a current at the electromagnet and the pressure that it gives at the stem; or hold a pressure."""
     pressure = drive
     if state.plan_current == 1.0:
-        effective = advance_flux(p, state, drive, duration)
-        gap = gap_of_current(p, effective, time + 0.5 * duration)
-        pressure = advance_nozzle(p, state, gap, effective, duration)
+        effective = advance_flux(p, state, drive)
+        gap = gap_of_current(p, effective, time)
+        pressure = advance_nozzle(p, state, gap, effective)
     else:
         state.pressure = drive
     move_stem(p, state, memory, pressure, time, duration, tolerance)
@@ -174,22 +177,28 @@ def hold_drive(p, state, memory, drive, time, duration, tolerance):
 
 @apart(RECORDS, 4)
 def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
-    """Hold a drive in parts while the pressure or the forces move.
-
-    Parts grow with the time since the drive was switched: what moves has then come nearer to its rest.
-    """
-    used, part = 0.0, 0.0
+    """Hold a current part by part while the pressure moves, and at once where it has come to rest."""
+    used = 0.0
     while used < duration:
-        left = duration - used
-        aim = state.plan_longest
-        if state.plan_moving == 1.0:
-            aim = max(aim, PART_GROWTH * used)
-        # Equal parts but for growth and rounding, so that their closed form is computed once.
-        if part == 0.0 or aim > PART_STRETCH * part or left < part * (1.0 - ROUNDING_SHARE):
-            part = left / max(math.ceil(left / aim - ROUNDING_SHARE), 1.0)
-        is_last = left < part * (1.0 + ROUNDING_SHARE)
-        hold_drive(p, state, memory, drive, time + used, part, tolerance)
-        used = duration if is_last else used + part
+        left, now = duration - used, time + used
+        if state.rest_drive == drive:
+            move_stem(p, state, memory, state.pressure, now, left, tolerance)
+            return
+        length = lay_part(p, state, memory, drive, now, left, tolerance)
+        if state.plan_steady == 1.0 and glide_part(p, state, memory):
+            follow_steadily(p, state)
+        else:
+            move_by_events(p, state, memory, now, length, tolerance)
+        used = duration if left - length <= ROUNDING else used + length
+
+
+@inlined
+def hold_current(p, state, memory, drive, time, duration, tolerance):
+    """Hold a current or a pressure for a duration, whether what it gives moves or not."""
+    if state.plan_moving == 1.0:
+        hold_in_parts(p, state, memory, drive, time, duration, tolerance)
+    else:
+        hold_drive(p, state, memory, drive, time, duration, tolerance)
 
 
 @apart(RECORDS, 4)
@@ -200,7 +209,7 @@ def hold_delayed(p, state, memory, drive, time, duration, tolerance):
     while True:
         arrived = leave_line(memory, p.transport_delay, instant)
         following = next_arrival(memory, p.transport_delay, end)
-        hold_in_parts(p, state, memory, arrived, instant, following - instant, tolerance)
+        hold_current(p, state, memory, arrived, instant, following - instant, tolerance)
         if following == end:
             return
         instant = following
@@ -218,10 +227,8 @@ def advance_period(p, state, memory, drive, time, span, tolerance):
     duration = whole_duration(span)
     if state.plan_delayed == 1.0:
         hold_delayed(p, state, memory, drive, time, duration, tolerance)
-    elif duration <= state.plan_longest:
-        hold_drive(p, state, memory, drive, time, duration, tolerance)
     else:
-        hold_in_parts(p, state, memory, drive, time, duration, tolerance)
+        hold_current(p, state, memory, drive, time, duration, tolerance)
 
 
 @compiled

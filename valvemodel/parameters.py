@@ -11,6 +11,8 @@ import numpy as np
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.stages import EFFECTS
 from valvemodel.stages.line import CAPACITY
+from valvemodel.stages.nodes import NODES
+from valvemodel.stages.plays import PLAYS
 
 _HERE = Path(__file__).parent
 _COMPILED = (
@@ -45,19 +47,23 @@ STATE = np.dtype(
         (name, "f8")
         for name in (
             "flux_current", "hysteresis", "hysteresis_input",
-            "droop", "supplied_pressure", "chamber_pressure", "filled_pressure", "pressure",
+            "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
+            "part_aim", "rest_drive", "chamber_rate", "filled_rate",
             "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "lagged_reading",
-            "plan_linear", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
+            "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
+            "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "quiet_yy", "quiet_vy", "quiet_friction",
             "known_damping", "known_stiffness", "known_duration",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
+            "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
         )
     ]
+    + [("plays", "f8", (PLAYS,))]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
 
@@ -70,6 +76,19 @@ EVENT = np.dtype([(name, "f8") for name in ("time", "position", "speed_before", 
 MOST_NOTED = 4096
 """Events that one period can leave behind."""
 
+_ROW, _TABLE = (NODES + 1,), (NODES + 1, NODES + 1)
+
+LAG = np.dtype([("rate", "f8"), ("spacing", "f8"), ("count", "f8"), ("decay", "f8", _ROW), ("response", "f8", _TABLE)])
+"""Type of what is known of a first-order lag over the nodes of a part."""
+
+RESPONSE = np.dtype(
+    [
+        ("damping", "f8"), ("stiffness", "f8"), ("spacing", "f8"), ("count", "f8"),
+        ("impulse", "f8", _ROW), ("rate", "f8", _ROW), ("doubled", "f8", _ROW), ("way", "f8", _TABLE),
+    ]
+)  # fmt: skip
+"""Type of what is known of a linear slip over the nodes of a step."""
+
 MEMORY = np.dtype(
     [
         ("line_entered", "f8"),
@@ -79,9 +98,30 @@ MEMORY = np.dtype(
         ("notes_events", "f8"),
         ("events_noted", "f8"),
         ("events", EVENT, (MOST_NOTED,)),
+        ("lags", LAG, (5,)),
+        ("responses", RESPONSE, (1,)),
     ]
-)
-"""Type of what a run remembers beside its state: the drives under way in the line, the events of the period."""
+    + [
+        (name, "f8")
+        for name in (
+            "part_time", "part_spacing", "part_count",
+            "end_flux", "end_input", "end_hysteresis",
+            "end_share", "end_supply", "end_supplied", "end_chamber", "end_filled",
+            "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
+            "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",
+        )
+    ]
+    + [
+        (name, "f8", _ROW)
+        for name in (
+            "part_powers", "currents", "gaps", "pressures", "shares",
+            "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "limits", "feeds",
+            "forces", "values", "powers",
+        )
+    ]
+)  # fmt: skip
+"""Type of what a run remembers beside its state: the drives under way in the line, the events of the period, what is
+known of the responses at the nodes of the last part and step."""
 
 
 def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:

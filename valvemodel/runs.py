@@ -59,10 +59,9 @@ def hold_pressures(p, state, time, drive, pressures):
             pressures[sample] = static_pressure(gap, supply_pressure, flow_ratio)
         return
     for sample in range(time.shape[0] - 1):
-        duration = whole_duration(time[sample + 1] - time[sample])
-        effective = advance_flux(p, state, drive[sample], duration)
-        gap = gap_of_current(p, effective, time[sample] + 0.5 * duration)
-        pressures[sample] = advance_nozzle(p, state, gap, effective, duration)
+        effective = advance_flux(p, state, drive[sample])
+        gap = gap_of_current(p, effective, time[sample])
+        pressures[sample] = advance_nozzle(p, state, gap, effective)
 
 
 @compiled
@@ -158,7 +157,7 @@ def run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings, 
 
 
 @compiled
-def run_chain(rows, states, memories, time, drive, anchors, driven_by, substep, tolerance, readings, pressures, modes):
+def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes):
     """Run each row of numbers over the same drive; row k of the outputs is the state just before the drive of period k.
 
     Parameters
@@ -175,17 +174,15 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, substep, 
         Readings at which the stem is put anew; NaN where it runs free.
     driven_by : int
         CURRENT or PRESSURE.
-    substep : float [s]
-        Longest part of a period while the pressure moves.
-    tolerance : float [N]
-        Force left over by one linearised slip step.
+    tolerance : float [m]
+        What a run may be off in position, but for slips that hang by a hair.
     readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
         Overwritten; pressures and modes may have shape (n, 0) and are then left out.
     """
     held = np.empty(time.shape[0])
     for row in range(rows.shape[0]):
         p, state, memory = rows[row], states[row], memories[0]
-        start_chain(p, state, memory, drive[0], driven_by, time[0], substep)
+        start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
         if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(p, state, time):
             run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
             continue
@@ -193,7 +190,7 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, substep, 
 
 
 @compiled
-def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by, substep, tolerance, readings, sums):
+def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by, tolerance, readings, sums):
     """Run each row of numbers and keep the sum of its squared errors alone.
 
     Parameters
@@ -210,7 +207,7 @@ def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by
     nothing = np.empty((1, 0))
     for row in range(rows.shape[0]):
         run_chain(
-            rows[row : row + 1], states, memories, time, drive, anchors, driven_by, substep, tolerance,
+            rows[row : row + 1], states, memories, time, drive, anchors, driven_by, tolerance,
             readings, nothing, nothing,
         )  # fmt: skip
         total = 0.0
@@ -232,7 +229,7 @@ def note_sample(p, state, time, sample):
 
 
 @compiled
-def trace_chain(rows, states, memories, time, drive, anchors, substep, tolerance, samples, instants, between, events):
+def trace_chain(rows, states, memories, time, drive, anchors, tolerance, samples, instants, between, events):
     """Run one row of numbers and write down all samples, what stands at instants between them, and all events.
 
     Parameters
@@ -252,7 +249,7 @@ def trace_chain(rows, states, memories, time, drive, anchors, substep, tolerance
         How many events there were.
     """
     p, state, ahead, memory = rows[0], states[0], states[1], memories[0]
-    start_chain(p, state, memory, drive[0], CURRENT, time[0], substep)
+    start_chain(p, state, memory, drive[0], CURRENT, time[0], tolerance)
     before, mode_before = state.position, state.mode
     instant, found = 0, 0
     for sample in range(time.shape[0]):

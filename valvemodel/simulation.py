@@ -9,7 +9,7 @@ import numpy as np
 from valvemodel import runs
 from valvemodel.errors import InputError
 from valvemodel.model import Model
-from valvemodel.trajectory import SUBSTEP, TOLERANCE, Setting, Trajectory, trajectory_of
+from valvemodel.trajectory import TOLERANCE, Setting, Trajectory, trajectory_of
 
 AT_REST = "rest"
 """Asks for a run that is put anew whenever the stem has come to rest."""
@@ -23,7 +23,6 @@ def simulate(
     start_position: float = math.nan,
     measured: np.ndarray | None = None,
     reanchor: float | str | None = None,
-    substep: float = SUBSTEP,
     tolerance: float = TOLERANCE,
 ) -> Trajectory:
     """Simulate a valve under currents that are held from each row to the next.
@@ -44,10 +43,8 @@ def simulate(
     reanchor : float or "rest"
         Put the stem on the measured reading every so often [s], or whenever it has come to rest; speed and friction
         stay as they are. By default the run is free and `measured` is not used.
-    substep : float
-        Longest part of a period while the pressure moves. [s]
     tolerance : float
-        Force left over by one linearised slip step. [N]
+        What the integrated effects may be off in position; a coarser one is faster. [m]
 
     Returns
     -------
@@ -71,7 +68,7 @@ def simulate(
         anchors = anchors_of(time, measured, reanchor)
         if math.isnan(start_position):
             start_position = float(anchors[0])
-    setting = Setting(model, start_position, anchors, reanchor == AT_REST, substep, tolerance)
+    setting = Setting(model, start_position, anchors, reanchor == AT_REST, tolerance)
     samples, _, _ = setting.trace(time, current, np.empty(0), 0)
     return trajectory_of(time, current, samples, setting)
 

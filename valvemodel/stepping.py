@@ -12,13 +12,13 @@ from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages.sensor import read_sensor
-from valvemodel.trajectory import SUBSTEP, TOLERANCE
+from valvemodel.trajectory import TOLERANCE
 
 
 @compiled
-def _start(rows, states, memories, current, time, substep):
+def _start(rows, states, memories, current, time, tolerance):
     """Put a valve at rest and return its reading. [m]"""
-    chain.start_chain(rows[0], states[0], memories[0], current, chain.CURRENT, time, substep)
+    chain.start_chain(rows[0], states[0], memories[0], current, chain.CURRENT, time, tolerance)
     return read_sensor(rows[0], states[0], time)
 
 
@@ -41,8 +41,8 @@ class SteppedValve:
         Under which it is at rest at the start. [A]
     start_position : float
         Reading at the start; by default at rest in the middle of the stuck band. [m]
-    substep, tolerance : float
-        As in `simulate`. [s], [N]
+    tolerance : float
+        As in `simulate`. [m]
 
     Attributes
     ----------
@@ -64,7 +64,6 @@ class SteppedValve:
         *,
         current: float,
         start_position: float = math.nan,
-        substep: float = SUBSTEP,
         tolerance: float = TOLERANCE,
     ) -> None:
         self.time = 0.0
@@ -73,7 +72,7 @@ class SteppedValve:
         self._preload = float(self._rows["spring_preload"][0])
         self._states = np.zeros(1, STATE)
         self._memories = np.zeros(1, MEMORY)
-        self.reading: float = _start(self._rows, self._states, self._memories, _checked(current), 0.0, substep)
+        self.reading: float = _start(self._rows, self._states, self._memories, _checked(current), 0.0, tolerance)
 
     def step(self, current: float, duration: float) -> float:
         """Hold a current [A] for a duration [s] and return the reading at its end. [m]

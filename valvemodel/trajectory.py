@@ -19,11 +19,8 @@ from valvemodel.plots import Plotted
 if TYPE_CHECKING:
     import pandas
 
-SUBSTEP = 1e-3
-"""Longest part of a period while the pressure moves under a held current. [s]"""
-
-TOLERANCE = 1e-2
-"""Force left over by one linearised slip step. [N]"""
+TOLERANCE = 1e-9
+"""What a run may be off in position. [m]"""
 
 MODE_NAMES = {-1.0: "falling", 0.0: "stuck", 1.0: "rising"}
 
@@ -47,15 +44,14 @@ class Setting:
         Readings at which the run is put anew, NaN where it runs free. [m]
     at_rest : bool
         Whether only a stem that has just come to rest is put anew.
-    substep, tolerance : float
-        As in `simulate`. [s], [N]
+    tolerance : float
+        As in `simulate`. [m]
     """
 
     model: Model
     start_position: float = math.nan
     anchors: np.ndarray = field(default_factory=lambda: runs.FREE)
     at_rest: bool = False
-    substep: float = SUBSTEP
     tolerance: float = TOLERANCE
 
     def trace(
@@ -70,7 +66,7 @@ class Setting:
             events = np.empty(room, EVENT)
             found = runs.trace_chain(
                 rows, np.zeros(2, STATE), np.zeros(1, MEMORY), time - start, current, self.anchors,
-                self.substep, self.tolerance, samples, instants - start, between, events,
+                self.tolerance, samples, instants - start, between, events,
             )  # fmt: skip
             if found <= room or room == 0:
                 events = events[:found]

@@ -27,10 +27,10 @@ REPEATS = 5
 
 
 @compiled
-def run_loop(rows, states, memories, set_points, substep, tolerance, readings):
+def run_loop(rows, states, memories, set_points, tolerance, readings):
     """Close the loop around the compiled chain."""
     p, state, memory = rows[0], states[0], memories[0]
-    start_chain(p, state, memory, START, CURRENT, 0.0, substep)
+    start_chain(p, state, memory, START, CURRENT, 0.0, tolerance)
     integral = START
     for sample in range(set_points.shape[0]):
         reading = read_sensor(p, state, sample * PERIOD)
@@ -63,7 +63,7 @@ def time_loop(periods: int) -> dict[str, Any]:
     set_points, readings = np.array(targets), np.empty(periods)
 
     def compiled_loop() -> None:
-        run_loop(rows, states, memories, set_points, DEFAULT.substep, DEFAULT.tolerance, readings)
+        run_loop(rows, states, memories, set_points, DEFAULT.tolerance, readings)
 
     compiled_loop()
     stepped = step_loop(model, targets)

@@ -7,24 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.simulation.workload import PERIOD, Stem
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
+from identification.problem import SEARCH_TOLERANCE
 from valvemodel import chain, runs
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
-from valvemodel.trajectory import SUBSTEP, TOLERANCE
+from valvemodel.trajectory import TOLERANCE
 
 
 @dataclass(frozen=True)
 class Accuracy:
     """How finely what has no closed form is integrated."""
 
-    substep: float
     tolerance: float
 
 
-DEFAULT = Accuracy(SUBSTEP, TOLERANCE)
-SEARCH = Accuracy(SEARCH_SUBSTEP, SEARCH_TOLERANCE)
-FINER = Accuracy(0.05 * SUBSTEP, 1e-3 * TOLERANCE)
+DEFAULT = Accuracy(TOLERANCE)
+SEARCH = Accuracy(SEARCH_TOLERANCE)
+FINER = Accuracy(1e-2 * TOLERANCE)
 """Much finer than the default, to see what that one leaves over."""
 
 
@@ -53,7 +52,7 @@ class Run:
         """Return the readings just before each drive acts, shape (n,). [m]"""
         runs.run_chain(
             self.rows, self.states, self.memories, self.time, self.drive, runs.FREE, self.driven_by,
-            self.accuracy.substep, self.accuracy.tolerance, self.readings, runs.NONE, runs.NONE,
+            self.accuracy.tolerance, self.readings, runs.NONE, runs.NONE,
         )  # fmt: skip
         return self.readings[0]
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from identification.determined.sensitivity import differences
 from identification.experiment import Experiment, simulate_rows
-from identification.problem import Problem
+from identification.problem import FINE_TOLERANCE, Problem
 from identification.unknowns import Unknown, base_unknowns, effect_unknowns, start_unknown
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
-from valvemodel.simulation import SUBSTEP, TOLERANCE
 
 BLOCK_TIME = 3.0
 """Of the blocks in time of a record. [s]"""
@@ -58,7 +57,7 @@ def prospect(model: Model, *, time: np.ndarray, current: np.ndarray, noise: floa
     """
     block = (time // BLOCK_TIME).astype(int)
     blank = Experiment("design", time, current, np.zeros(len(time)), None, noise, 0.0, block)
-    run = simulate_rows(blank, model.rows(), substep=SUBSTEP, tolerance=TOLERANCE)
+    run = simulate_rows(blank, model.rows(), tolerance=FINE_TOLERANCE)
     experiment = replace(blank, position=run.position[0])
     unknowns = base_unknowns(model)
     for key, values in model.effects.items():
@@ -68,9 +67,7 @@ def prospect(model: Model, *, time: np.ndarray, current: np.ndarray, noise: floa
     truth = {**model.numbers, "start_position": start}
     point = np.array([unknown.scaled(truth[unknown.name]) for unknown in unknowns])
     is_jagged = any(effect_of_key(key).is_jagged for key in model.effects)
-    problem = Problem(
-        model, [experiment], unknowns, [np.ones(len(time), bool)], is_jagged, substep=SUBSTEP, tolerance=TOLERANCE
-    )
+    problem = Problem(model, [experiment], unknowns, [np.ones(len(time), bool)], is_jagged, tolerance=FINE_TOLERANCE)
     return Prospect(problem, point)
 
 

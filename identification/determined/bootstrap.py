@@ -51,7 +51,6 @@ def _trajectory(near: Neighbourhood, number: int) -> tuple[np.ndarray, np.ndarra
     run = simulate_rows(
         problem.experiments[number],
         problem.rows(near.point[None, :], number),
-        substep=problem.substep,
         tolerance=problem.tolerance,
         with_pressure=True,
     )

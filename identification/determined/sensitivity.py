@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from identification.fit import Fit
-from identification.problem import Problem
+from identification.problem import FINE_TOLERANCE, Problem
 from identification.uncertainty import UNDETERMINED_SHARE
 from identification.unknowns import Unknown
 from valvemodel.effects import effect_of_key
 from valvemodel.quantities import format_quantity
-from valvemodel.simulation import SUBSTEP, TOLERANCE
 
 SEEN = 1.0
 """A step is wide enough once all readings together change by so many standard deviations of the noise."""
@@ -141,10 +140,10 @@ def misfit(problem: Problem, point: np.ndarray) -> float:
 
 
 def exact_problem(fit: Fit) -> Problem:
-    """Return the problem of a fit at the simulator's own accuracy, without priors, re-anchored where it is jagged."""
+    """Return the problem of a fit of fine runs, without priors, re-anchored where it is jagged."""
     flat = tuple(replace(unknown, prior_spread=np.inf) for unknown in fit.unknowns)
     is_anchored = fit.problem.is_anchored or is_jagged(fit)
-    return replace(fit.problem, unknowns=flat, substep=SUBSTEP, tolerance=TOLERANCE, is_anchored=is_anchored)
+    return replace(fit.problem, unknowns=flat, tolerance=FINE_TOLERANCE, is_anchored=is_anchored)
 
 
 def is_jagged(fit: Fit) -> bool:

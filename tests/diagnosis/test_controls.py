@@ -11,13 +11,9 @@ from diagnosis.selection import try_effect
 from diagnosis.sham import control_of, shams_on, smooth_noise
 
 
-def floors(holdout):
-    return holdout.noise, holdout.noise
-
-
 def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):
     base, holdout = refitted(quiet)
-    control = control_of([base], holdout, floors(holdout), "free")
+    control = control_of([base], holdout, "free")
     assert control.probability < 0.5
     assert control.notes == []
 
@@ -27,7 +23,7 @@ def test_no_sham_wins_beside_the_effect_that_is_there(quiet, refitted):
     base, holdout = refitted(quiet, creep)
     drift = try_effect(base.fit, ("sensor_drift",), holdout)
     assert drift.score.misfit < 0.5 * base.score.misfit
-    assert control_of([base, drift], holdout, floors(holdout), "free").probability < 1e-3
+    assert control_of([base, drift], holdout, "free").probability < 1e-3
 
 
 def test_sham_wins_where_it_is_in_the_data(quiet, refitted):
@@ -36,7 +32,7 @@ def test_sham_wins_where_it_is_in_the_data(quiet, refitted):
     base, holdout = refitted(quiet, 20.0 * quiet.noise * smooth_noise(generator, quiet.time, scale, 1)[:, 0])
     best = min(shams_on(base, holdout, count=1), key=lambda sham: sham.score.misfit)
     assert best.score.free.rms < 0.5 * base.score.free.rms
-    control = control_of([base], holdout, floors(holdout), "free")
+    control = control_of([base], holdout, "free")
     assert control.probability > 0.9
     assert "too little" in control.notes[0]
 

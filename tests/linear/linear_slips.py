@@ -17,7 +17,7 @@ def slip_response(model: Model, point: OperatingPoint, time: np.ndarray, change:
 
 def slip(model: Model, point: OperatingPoint, time: np.ndarray, change: float) -> dict[str, np.ndarray]:
     """Pressure, position and reading of a stem that passes the point as the current is stepped."""
-    valve = SteppedValve(model, current=point.current, substep=2e-6, tolerance=1e-9)
+    valve = SteppedValve(model, current=point.current, tolerance=1e-9)
     state = valve._states[0]
     friction = point.side * point.friction
     state["hysteresis"] = point.side

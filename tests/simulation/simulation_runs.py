@@ -8,9 +8,10 @@ from valvemodel import chain, runs
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages import EFFECTS
+from valvemodel.trajectory import TOLERANCE
 from valvemodel.valves import read_valve
 
-FINE_SUBSTEP, FINE_TOLERANCE = 1e-4, 1e-4
+FINE_TOLERANCE = 1e-11
 
 NEEDED = {
     "end_stop": {"upper_stop": 0.19},
@@ -55,14 +56,13 @@ def run(
     *,
     driven_by: int = chain.CURRENT,
     start: float = float("nan"),
-    substep: float = 1e-3,
-    tolerance: float = 1e-2,
+    tolerance: float = TOLERANCE,
 ) -> np.ndarray:
     """Readings of one run, shape (n,). [m]"""
     readings = np.empty((1, len(time)))
     runs.run_chain(
         model.rows(start_position=start), np.zeros(1, STATE), np.zeros(1, MEMORY),
         np.asarray(time, float), np.asarray(drive, float),
-        runs.FREE, driven_by, substep, tolerance, readings, runs.NONE, runs.NONE,
+        runs.FREE, driven_by, tolerance, readings, runs.NONE, runs.NONE,
     )  # fmt: skip
     return readings[0]

@@ -203,3 +203,22 @@ def test_a_slip_stops_dead_at_the_end_of_the_travel():
     assert position.max() == 0.2
     assert position.min() == 0.05
     assert (position[50:99] == 0.2).all()
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.9])
+def test_a_bouncing_stem_keeps_the_square_of_its_restitution(restitution):
+    """Thrown back with e v, a stem under a constant force comes back by e^2 of the way, for e times as long."""
+    model = base_model(
+        spring_rate=0.0,
+        viscous_friction=0.0,
+        coulomb_friction=0.0,
+        travel_min=0.0,
+        travel_max=0.1,
+        restitution=restitution,
+    )
+    pressure = 1000.0
+    acceleration = model.values["diaphragm_area"] * pressure / MASS
+    fall = math.sqrt(2.0 * 0.1 / acceleration)
+    time = np.array([0.0, fall * (1.0 + restitution), fall * (1.0 + 2.0 * restitution + restitution**2), 10.0])
+    positions = run(model, time, np.full(4, pressure), driven_by=chain.PRESSURE, start=0.0)
+    assert positions[1:] == pytest.approx([0.1 * (1.0 - restitution**2), 0.1 * (1.0 - restitution**4), 0.1], abs=1e-13)

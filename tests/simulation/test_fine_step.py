@@ -71,7 +71,7 @@ CASES = {
     "friction_drift": (
         truth("friction_drift", "stem", "exponential", growth=0.3, time_constant=30.0),
         {"friction_drift_rate": 0.3 / 30.0, "friction_drift_time": 30.0},
-        3e-6,
+        4e-6,
     ),
     "stribeck": (
         truth("stribeck", "stem", "exponential", static_excess=0.3, stribeck_speed=0.02),
@@ -101,7 +101,7 @@ CASES = {
     "gap_drift": (
         truth("gap_drift", "electromagnet", "exponential", direction=1.0, gap_change=2e-6, time_constant=30.0),
         {"gap_drift_rate": 2e-6 / 30.0, "gap_drift_time": 30.0},
-        5e-6,
+        6e-6,
     ),
     "coil_lag": (
         truth("coil_lag", "electromagnet", "inductance", time_constant=0.2),

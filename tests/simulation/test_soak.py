@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from simulation_runs import EFFECT_KEYS, base_model, run
 
-from identification.problem import SEARCH_SUBSTEP, SEARCH_TOLERANCE
+from identification.problem import SEARCH_TOLERANCE
 from valvemodel import chain, runs
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
@@ -78,7 +78,7 @@ def test_random_valves_and_inputs():
         began = clock.perf_counter()
         runs.run_chain(
             rows, np.zeros(AT_ONCE, STATE), np.zeros(1, MEMORY), time, current, runs.FREE, chain.CURRENT,
-            SEARCH_SUBSTEP, SEARCH_TOLERANCE, found, runs.NONE, runs.NONE,
+            SEARCH_TOLERANCE, found, runs.NONE, runs.NONE,
         )  # fmt: skip
         took = clock.perf_counter() - began
         lost = np.flatnonzero(~np.isfinite(found).all(axis=1))

@@ -17,7 +17,7 @@ from valvemodel.control.scenario import Scenario
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
-from valvemodel.simulation import SUBSTEP, TOLERANCE
+from valvemodel.simulation import TOLERANCE
 from valvemodel.stages.sensor import read_sensor
 from valvemodel.stepping import SteppedValve
 
@@ -50,11 +50,11 @@ def coarse(reading, resolution):
 @compiled
 def _run(
     rows, states, memories, settings, recollections, start_current, period, setpoint, load, noise, resolution,
-    substep, tolerance, time, current, reading, position,
+    tolerance, time, current, reading, position,
 ):  # fmt: skip
     """Run a closed loop; the last four arrays are overwritten."""
     p, state, memory, s, m = rows[0], states[0], memories[0], settings[0], recollections[0]
-    start_chain(p, state, memory, start_current, CURRENT, 0.0, substep)
+    start_chain(p, state, memory, start_current, CURRENT, 0.0, tolerance)
     preload = p.spring_preload
     now = 0.0
     for sample in range(setpoint.shape[0]):
@@ -88,7 +88,7 @@ def run_compiled(model: Model, controller: Controller, scenario: Scenario, *, st
     time, current, reading, position = (np.empty(len(scenario.setpoint)) for _ in range(4))
     _run(
         model.rows(), np.zeros(1, STATE), np.zeros(1, MEMORY), settings, np.zeros(1, RECOLLECTION), start_current,
-        scenario.period, scenario.setpoint, scenario.load, scenario.noise, scenario.resolution, SUBSTEP, TOLERANCE,
+        scenario.period, scenario.setpoint, scenario.load, scenario.noise, scenario.resolution, TOLERANCE,
         time, current, reading, position,
     )  # fmt: skip
     return Run(time, scenario.setpoint, current, reading, position)

@@ -32,10 +32,10 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint, pade_order: int)
 
 
 def hysteresis_slope(numbers: Mapping[str, float], point: OperatingPoint) -> float:
-    """Return the slope of the loop: dz/di = (1 - z side) / (2 h (1 + roundness))."""
+    """Return the slope of the loop: dz/di = (1 - z side) / (2 h (1 + roundness)), plays twice that while none moves."""
     if numbers["hysteresis_half_width"] == 0.0 or point.side != 0.0:
         return 1.0
-    return 1.0 - 0.5 / (1.0 + numbers["hysteresis_roundness"])
+    return 1.0 - 0.5 * (1.0 + numbers["return_point_memory"]) / (1.0 + numbers["hysteresis_roundness"])
 
 
 def delay(name: str, dead_time: float, order: int, source: str, target: str) -> ct.StateSpace:

@@ -10,12 +10,14 @@ import control as ct
 from valvemodel.equations import numeric
 from valvemodel.linear.block import Treatment, block, gain, lag
 from valvemodel.linear.point import OperatingPoint, evaluate
+from valvemodel.stages.amplifier import LEAST_ROOT
 from valvemodel.stages.nozzle import ATMOSPHERE, compressible_pressure
 
 TREATMENTS = {
     "chamber_filling": Treatment(True, "a first-order lag whose rate is the slope of eq. (15) at rest"),
     "asymmetric_filling": Treatment(
-        True, "the lag of its direction, filling when stuck; small moves do not reach the rate limit"
+        True,
+        "the lag of its direction, filling when stuck, by the slope of its flow; the rate limit is not reached",
     ),
     "supply_droop": Treatment(True, "a lead-lag of its direction: a rise draws the supply down, a fall does not"),
     "air_leak": Treatment(True, "its slope at the pressure"),
@@ -30,6 +32,7 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     if numbers["chamber_filling_time"] > 0.0:
         chamber = 1.0 / evaluate(numeric.chamber_rate, numbers, pressure=point.supplied_pressure, gap=point.gap)
     amplifier = numbers["vent_time" if point.side < 0.0 else "fill_time"]
+    amplifier /= quickness_at_rest(numbers, point.supplied_pressure)
     return [
         gain("nozzle", pressure_by_current(numbers, point), "effective_current", "resting_pressure"),
         supply(numbers, point),
@@ -37,6 +40,13 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
         lag("amplifier", amplifier, "pressure", "chamber_pressure", "filled_pressure"),
         gain("leak", leak_slope(numbers, point), "filled_pressure", "pressure"),
     ]
+
+
+def quickness_at_rest(numbers: Mapping[str, float], pressure: float) -> float:
+    """Return the rate of orifices over that of first order, the slope of eq. (15) over the pressure."""
+    share = pressure / numbers["supply_pressure"]
+    root = max(2.0 * share * math.sqrt(1.0 - share), LEAST_ROOT)
+    return 1.0 + numbers["orifice_share"] * (1.0 / root - 1.0)
 
 
 def pressure_by_current(numbers: Mapping[str, float], point: OperatingPoint) -> float:

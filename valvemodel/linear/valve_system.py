@@ -13,7 +13,7 @@ from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages.line import enter_line, rest_line
 from valvemodel.stages.sensor import read_sensor
-from valvemodel.trajectory import SUBSTEP, TOLERANCE
+from valvemodel.trajectory import TOLERANCE
 
 OUTPUTS = ("reading", "position", "pressure")
 
@@ -43,7 +43,7 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
     memories = np.zeros(1, MEMORY)
     under_way = _under_way(model, period)
     start = np.zeros(1, STATE)
-    stepping._start(rows, start, memories, current, 0.0, SUBSTEP)
+    stepping._start(rows, start, memories, current, 0.0, TOLERANCE)
 
     def update(time: float, states: np.ndarray, drives: np.ndarray, parameters: dict) -> np.ndarray:
         state, line = _split(states, under_way)
@@ -60,10 +60,19 @@ def exact_system(model: Model, *, period: float, current: float, start_position:
 
     system = ct.nlsys(
         update, output, name=model.name, dt=period, inputs=["current"], outputs=list(OUTPUTS),
-        states=[*(STATE.names or ()), *(f"current_{number}" for number in range(under_way))],
+        states=[*_names_of_states(), *(f"current_{number}" for number in range(under_way))],
     )  # fmt: skip
     system.start = np.concatenate((start.view(float), np.full(under_way, current)))
     return system
+
+
+def _names_of_states() -> list[str]:
+    """Return the names of the simulator's states, numbered where there are several of a name."""
+    names = []
+    for name in STATE.names or ():
+        count = math.prod(STATE[name].shape)
+        names += [name] if STATE[name].shape == () else [f"{name}_{number}" for number in range(count)]
+    return names
 
 
 def _under_way(model: Model, period: float) -> int:

@@ -17,6 +17,7 @@ from valvemodel.reference.stem import (
     coulomb_friction,
     highest_position,
     lowest_position,
+    rebound,
     thrust,
     viscous_friction,
 )
@@ -78,7 +79,8 @@ class BristleStem:
         found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
         self.position, self.velocity, self.bristle = found(lasted)
         if has_hit:
-            self.position, self.velocity = min(max(self.position, self.lowest), self.highest), 0.0
+            self.position = min(max(self.position, self.lowest), self.highest)
+            self.velocity = rebound(self.numbers, self.velocity)
         return found, lasted
 
     def is_blocked(self, instant: float) -> bool:

@@ -9,9 +9,10 @@ from types import SimpleNamespace
 from valvemodel.reference.air import Pressure, moves
 from valvemodel.reference.flow import State, flow
 from valvemodel.reference.instant import first_instant
-from valvemodel.reference.motion import CREEP, HELD, STOP_SPEED
+from valvemodel.reference.motion import CREEP, HELD, end_slip
 from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
+    STOP_SPEED,
     breakaway_ratio,
     coulomb_friction,
     highest_position,
@@ -76,7 +77,7 @@ class CurvedStem:
         motion, lasted, has_stopped = flow(slope, [self.position, self.velocity], left, FINEST, has_ended)
         self.position, self.velocity = motion(lasted)
         if has_stopped:
-            self.come_to_rest(min(max(self.position, self.lowest), self.highest))
+            end_slip(self)
         return motion, lasted
 
     def acceleration(self, instant: float, position: float, velocity: float) -> float:

@@ -2,8 +2,24 @@
 
 from __future__ import annotations
 
-from math import exp, expm1, sqrt
+from math import exp, expm1, log1p, sqrt
 from types import SimpleNamespace
+
+PLAYS = 8
+"""Equal shares of an exponential density of half-widths."""
+
+CUT = 3.0
+"""Where the density ends, in its scales."""
+
+
+def half_widths() -> list[float]:
+    """Return the mean half-width of each share over that of all."""
+    ends = [-log1p(share / PLAYS * expm1(-CUT)) for share in range(PLAYS + 1)]
+    upto = [1.0 - (1.0 + end) * exp(-end) for end in ends]
+    return [PLAYS * (upto[share + 1] - upto[share]) / upto[PLAYS] for share in range(PLAYS)]
+
+
+HALF_WIDTHS = half_widths()
 
 
 class Electromagnet:
@@ -14,6 +30,7 @@ class Electromagnet:
         self.flux = self.held = current
         self.magnetised = saturated(numbers, current)
         self.loop = 0.0
+        self.plays = [self.magnetised] * PLAYS
 
     def hold(self, current: float) -> None:
         """Switch to a current."""
@@ -35,16 +52,28 @@ class Electromagnet:
         reach = 2.0 * n.hysteresis_half_width * (1.0 + n.hysteresis_roundness)
         return side + (self.loop - side) * exp(-abs(change) / reach)
 
+    def plays_after(self, magnetising: float) -> list[float]:
+        """Return where the plays are: each is dragged along at its half-width from the magnetising current. [A]"""
+        scale = self.numbers.hysteresis_half_width * (1.0 + self.numbers.hysteresis_roundness)
+        widths = [scale * half_width for half_width in HALF_WIDTHS]
+        return [
+            min(max(play, magnetising - width), magnetising + width)
+            for play, width in zip(self.plays, widths, strict=True)
+        ]
+
     def current_after(self, duration: float) -> float:
-        """Return the effective current: lagged, saturated, less the half width of the loop. [A]"""
-        magnetising = saturated(self.numbers, self.flux_after(duration))
-        return magnetising - self.numbers.hysteresis_half_width * self.loop_after(magnetising)
+        """Return the effective current: lagged, saturated, behind Dahl's curve or behind the mean of the plays. [A]"""
+        n = self.numbers
+        magnetising = saturated(n, self.flux_after(duration))
+        behind = n.hysteresis_half_width * self.loop_after(magnetising)
+        behind_plays = magnetising - sum(self.plays_after(magnetising)) / PLAYS
+        return magnetising - behind + n.return_point_memory * (behind - behind_plays / (1.0 + n.hysteresis_roundness))
 
     def advance(self, duration: float) -> None:
         """Let a duration pass."""
         self.flux = self.flux_after(duration)
         magnetising = saturated(self.numbers, self.flux)
-        self.loop = self.loop_after(magnetising)
+        self.loop, self.plays = self.loop_after(magnetising), self.plays_after(magnetising)
         self.magnetised = magnetising
 
 

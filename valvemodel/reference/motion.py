@@ -3,28 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import copysign
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 from valvemodel.reference.air import Pressure
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion, first_stop, slip
 from valvemodel.reference.stem import (
+    STOP_SPEED,
     breakaway_ratio,
     coulomb_friction,
     highest_position,
     lowest_position,
+    rebound,
     thrust,
     viscous_friction,
 )
 
-STOP_SPEED = 1e-6
-"""A slower slip has ended where friction holds the stem: an overdamped one would only ever creep. [m/s]"""
+if TYPE_CHECKING:
+    from valvemodel.reference.curved import CurvedStem
 
 CREEP = 1.0
 """A slip that slows down harder than this stops at speed 0, a picometre further at most. [m/s^2]"""
 
 HELD = 1.0 + 1e-12
 """Friction holds this share of its breakaway force, lest rounding decide."""
+
+
+def end_slip(stem: Stem | CurvedStem) -> None:
+    """Stop a slip where the stem is, or throw it back where it is beyond the travel."""
+    position = min(max(stem.position, stem.lowest), stem.highest)
+    velocity = rebound(stem.numbers, stem.velocity) if position != stem.position else 0.0
+    stem.come_to_rest(position)
+    if velocity != 0.0:
+        stem.velocity, stem.side = velocity, copysign(1.0, velocity)
 
 
 class Stem:
@@ -70,7 +83,7 @@ class Stem:
             stop = used = first_instant(lambda t: self.has_ended(pressure, *motion(t)), used)
         self.position, self.velocity = motion(used)
         if stop <= left:
-            self.come_to_rest(min(max(self.position, self.lowest), self.highest))
+            end_slip(self)
         return motion, used
 
     def acceleration(self, position: float, velocity: float, pressure: float) -> float:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from math import cos, exp, expm1, pi, sin
 from types import SimpleNamespace
 
+STOP_SPEED = 1e-6
+"""A slower slip has ended where friction holds the stem: an overdamped one would only ever creep. [m/s]"""
+
 FARTHEST = 10.0
 """No stem goes farther. [m]"""
 
@@ -45,6 +48,12 @@ def highest_position(n: SimpleNamespace) -> float:
 def lowest_position(n: SimpleNamespace) -> float:
     """Return the lower end of the travel. [m]"""
     return max(n.travel_min, n.lower_stop, -FARTHEST)
+
+
+def rebound(n: SimpleNamespace, velocity: float) -> float:
+    """Return the velocity after the stem hits an end of its travel; a rebound below the stop speed rests. [m/s]"""
+    after = -n.restitution * velocity
+    return after if abs(after) >= STOP_SPEED else 0.0
 
 
 def balanced_position(n: SimpleNamespace, pressure: float) -> float:

@@ -8,7 +8,8 @@ from typing import Any
 import casadi as ca
 
 from valvemodel.equations.symbolic import coil_gap
-from valvemodel.smooth.rounding import Expression, magnitude, passed
+from valvemodel.smooth.rounding import Expression, dead_zone, magnitude, passed
+from valvemodel.stages.plays import PLAYS, RADII
 
 SHORTEST_TIME = 1e-12
 """A time constant is not shorter, so that its neutral value 0 has a derivative. [s]"""
@@ -20,10 +21,14 @@ CORNER = 1e-2
 """The loop's corner is rounded by this share of the smoothing share: a wider one would forget slow changes."""
 
 
-def states_of(effects: Collection[str]) -> tuple[str, ...]:
-    """Return the names of the states that the effects need."""
+PLAY_STATES = tuple(f"play_{index}" for index in range(PLAYS))
+
+
+def states_of(effects: Collection[str], *, remembers: bool) -> tuple[str, ...]:
+    """Return the names of the states that the effects need; plays only where the hysteresis remembers by them."""
     lag = ("flux_current",) if "coil_lag" in effects else ()
-    return lag + (("hysteresis_input", "hysteresis") if "magnetic_hysteresis" in effects else ())
+    plays = PLAY_STATES if remembers else ()
+    return lag + (("hysteresis_input", "hysteresis", *plays) if "magnetic_hysteresis" in effects else ())
 
 
 def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
@@ -33,6 +38,8 @@ def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
         x.flux_current = current
     if "magnetic_hysteresis" in p.effects:
         x.hysteresis_input, x.hysteresis = effective, 0.0
+    for name in PLAY_STATES if p.remembers else ():
+        setattr(x, name, effective)
     return effective
 
 
@@ -67,7 +74,22 @@ def magnetise(p: Any, x: Any, current: Expression) -> Expression:
     left = ca.exp(-magnitude(change, corner))
     x.hysteresis = x.hysteresis * left + ca.tanh(change / corner) * (1.0 - left)
     x.hysteresis_input = current
-    return current - p.hysteresis_half_width * x.hysteresis
+    behind = p.hysteresis_half_width * x.hysteresis
+    if p.remembers:
+        behind += p.return_point_memory * (pull_plays(p, x, current) - behind)
+    return current - behind
+
+
+def pull_plays(p: Any, x: Any, current: Expression) -> Expression:
+    """Let the plays follow a current and return how far the flux is behind it by them. [A]"""
+    scale = ca.fmax(p.hysteresis_half_width, LEAST_CURRENT) * (1.0 + p.hysteresis_roundness)
+    total = 0.0
+    for name, radius in zip(PLAY_STATES, RADII, strict=True):
+        play = getattr(x, name)
+        play += dead_zone(current - play, scale * radius, scale * radius, scale * p.smoothing_share)
+        setattr(x, name, play)
+        total += current - play
+    return total / (PLAYS * (1.0 + p.hysteresis_roundness))
 
 
 def gap_of_current(p: Any, current: Expression, time: Expression) -> Expression:

@@ -10,6 +10,7 @@ import casadi as ca
 from valvemodel.equations.symbolic import static_pressure
 from valvemodel.smooth.electromagnet import CORNER, SHORTEST_TIME
 from valvemodel.smooth.rounding import Expression, gate, passed, ramp
+from valvemodel.stages.amplifier import LEAST_ROOT
 from valvemodel.stages.nozzle import ATMOSPHERE
 
 NEWTON_STEPS = 12
@@ -148,7 +149,10 @@ def fill_unequally(p: Any, x: Any, target: Expression, duration: Expression) -> 
     """Follow a target at the capacity of the direction, rate-limited one way; return the mean. [Pa]"""
     departure = target - x.filled_pressure
     rises = gate(departure, p.smoothing_pressure)
-    time_constant = ca.fmax(p.vent_time + (p.fill_time - p.vent_time) * rises, SHORTEST_TIME)
+    own_time = ca.fmax(p.vent_time + (p.fill_time - p.vent_time) * rises, SHORTEST_TIME)
+    # Exponential midpoint.
+    halfway = target - departure * ca.exp(-0.5 * duration * quickness(p, x.filled_pressure, target) / own_time)
+    time_constant = own_time / quickness(p, halfway, target)
     limited = (1.0 - rises) * ca.fmax(p.filling_slowness, 0.0) + rises * ca.fmax(-p.filling_slowness, 0.0)
     slowness = limited + LEAST_SLOWNESS
     size = ca.fabs(departure)
@@ -160,3 +164,13 @@ def fill_unequally(p: Any, x: Any, target: Expression, duration: Expression) -> 
     side = ca.sign(departure)
     x.filled_pressure = target - side * size * ca.exp(-rate)
     return target - side * area / duration
+
+
+def quickness(p: Any, pressure: Expression, target: Expression) -> Expression:
+    """Return the rate at which orifices follow a target over that of first order."""
+    if not p.has_orifices:
+        return 1.0
+    least = LEAST_ROOT * LEAST_ROOT
+    share, resting = (ca.fmin(ca.fmax(each / p.supply_pressure, least), 1.0 - least) for each in (pressure, target))
+    root = resting * ca.sqrt(1.0 - share) + ca.sqrt(resting * share * (1.0 - resting))
+    return 1.0 + p.orifice_share * (1.0 / ca.fmax(root, LEAST_ROOT) - 1.0)

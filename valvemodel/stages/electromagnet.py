@@ -7,15 +7,26 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.lag import remember_lag
+from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays
 
 EFFECTS = (
     Effect(
         key="magnetic_hysteresis",
         stage="electromagnet",
         title="magnetic hysteresis",
-        meaning="the flux lags the current by a rate-independent loop of nearly constant width in current",
-        equation=r"i_e = i - h z,\quad dz = (1 - z\,\mathrm{sign}(di))\,di / (2 h (1 + \rho))",
-        source="Coleman and Hodgdon, J. Appl. Phys. 63 (1988); the same curve as Dahl (1968)",
+        meaning=(
+            "the flux lags the current by a rate-independent loop of nearly constant width in current; small loops "
+            "within it drift along (Dahl) or close where they began (plays)"
+        ),
+        equation=(
+            r"i_e = i - h z,\quad dz = (1 - z\,\mathrm{sign}(di))\,di / (2 h (1 + \rho))"
+            r"\quad\text{or}\quad z = \overline{i - i_r}/(h (1 + \rho)),\ |i - i_r| \le r"
+        ),
+        source=(
+            "Coleman and Hodgdon, J. Appl. Phys. 63 (1988), the same curve as Dahl (1968); plays i_r of exponentially "
+            "spread half-widths r: Prandtl (1928), Ishlinskii (1944); Visintin, Models of Hysteresis (1994)"
+        ),
         parameters=(
             Parameter(
                 "hysteresis_half_width",
@@ -34,6 +45,16 @@ EFFECTS = (
                 20.0,
                 0.5,
                 (0.5,),
+            ),
+            Parameter(
+                "return_point_memory",
+                "1",
+                "0: Dahl's curve, which forgets where it turned; 1: plays, whose minor loops close",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("linkage_backlash", "pressure_dependent_friction"),
@@ -111,27 +132,63 @@ def saturate(p, current):
 
 
 @inlined
-def advance_flux(p, state, current, duration):
-    """Hold the current for a duration and return the mean current that the flux stands for. [A]
-
-    Lag and hysteresis are exact under a held current.
-    """
-    effective = current
-    if p.coil_time_constant > 0.0:
-        departure = state.flux_current - current
-        decayed = -math.expm1(-duration / p.coil_time_constant)
-        effective += departure * decayed * p.coil_time_constant / duration
-        state.flux_current -= departure * decayed
-    effective = saturate(p, effective)
+def advance_flux(p, state, current):
+    """Switch the current and return the one that the flux stands for. [A]"""
+    effective = saturate(p, current)
     if p.hysteresis_half_width > 0.0:
         change = effective - state.hysteresis_input
         if change != 0.0:
-            side = 1.0 if change > 0.0 else -1.0
-            reach = 2.0 * p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
-            state.hysteresis = side + (state.hysteresis - side) * math.exp(-abs(change) / reach)
+            state.hysteresis = hysteresis_after(p, state, change)
             state.hysteresis_input = effective
-        effective -= p.hysteresis_half_width * state.hysteresis
+            if p.return_point_memory > 0.0:
+                pull_plays(p, state, effective)
+        place = state.hysteresis
+        if p.return_point_memory > 0.0:
+            place += p.return_point_memory * (place_among_plays(p, state, effective) - place)
+        effective -= p.hysteresis_half_width * place
     return effective
+
+
+@inlined
+def hysteresis_after(p, state, change):
+    """Return the place on Dahl's curve after a change of the current one way, exact."""
+    side = 1.0 if change > 0.0 else -1.0
+    reach = 2.0 * p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
+    return side + (state.hysteresis - side) * math.exp(-abs(change) / reach)
+
+
+@compiled
+def lay_currents(p, state, memory, current, spacing, count):
+    """Write the currents that the flux stands for at the nodes of a part, exact under a held current.
+
+    Return where they have a kink, in spacings.
+    """
+    lag, flux = memory.lags[3], current
+    memory.end_hysteresis = state.hysteresis
+    if p.coil_time_constant > 0.0:
+        remember_lag(lag, 1.0 / p.coil_time_constant, spacing, count)
+    for node in range(count + 1):
+        if p.coil_time_constant > 0.0:
+            flux = current + (state.flux_current - current) * lag.decay[node]
+        effective = saturate(p, flux)
+        memory.values[node] = memory.end_input = effective
+        if p.hysteresis_half_width > 0.0 and effective != state.hysteresis_input:
+            memory.end_hysteresis = hysteresis_after(p, state, effective - state.hysteresis_input)
+        effective -= p.hysteresis_half_width * memory.end_hysteresis
+        memory.currents[node] = effective
+    memory.end_flux = flux
+    if p.hysteresis_half_width > 0.0 and p.return_point_memory > 0.0:
+        return lay_plays(p, state, memory, count)
+    return math.inf
+
+
+@compiled
+def accept_currents(p, state, memory):
+    """Take the stage to the end of the part that was laid."""
+    state.flux_current = memory.end_flux
+    if p.return_point_memory > 0.0:
+        pull_plays(p, state, memory.end_input)
+    state.hysteresis_input, state.hysteresis = memory.end_input, memory.end_hysteresis
 
 
 @inlined
@@ -149,6 +206,7 @@ def rest_electromagnet(p, state, current):
     state.flux_current = current
     state.hysteresis_input = saturate(p, current)
     state.hysteresis = 0.0
+    state.plays[:] = state.hysteresis_input
 
 
 coil_gap = inlined(numeric.coil_gap)

@@ -5,64 +5,55 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.presliding import advance_presliding
-from valvemodel.stages.slip import (
-    CAUTION,
-    GROWTH,
-    SHORTEST_STEP,
-    SHRINKAGE,
-    STOP_SPEED,
-    first_stop,
-    slip_end,
-    step_factor,
-    time_of_way,
-    transition,
-)
+from valvemodel.stages.linearised import advance_linearised
+from valvemodel.stages.part import is_coarse, pressure_at
+from valvemodel.stages.response import remember_response
+from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
+from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
     RISING,
     STUCK,
     breakaway_ratio,
+    has_held_limit,
     highest_position,
     is_linear,
+    limiting_friction,
     lowest_position,
     sliding_friction,
-    stribeck_excess,
-    stribeck_slope,
     tangent_stiffness,
     thrust,
     varies_in_time,
 )
-
-SPOT_SHARE = 0.25
-"""Longest way of a linearised step near a tight spot over the spot's width, so that none is stepped over."""
-
-SPOT_REACH = 4.0
-"""Distance from a tight spot, over its width, beyond which its excess is below 2e-7 of its height."""
+from valvemodel.stages.step import lay_motion
+from valvemodel.stages.travel import TOUCHING, advance_travel
 
 HOLD = 1e-12
 """Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
 
-TOUCHING = 1e-12
-"""Play within this of being taken up is taken up. [m]"""
-
 HARD_STOP = 1.0
 """A deceleration that leaves less than 1e-12 m between the stop speed and 0. [m/s^2]"""
 
-UNSTABLE = 3.0
-"""Longest linearised step over the time in which an unstable speed grows by a factor of e."""
+RESOLVED = 0.25
+"""Longest step over the period of a load, or over the time constant of a drift."""
 
-DRIFT_HOLD = 0.02
-"""Longest hold while gap or friction drift, which have time constants of 20 s and more. [s]"""
+RIGID = 0.01
+"""Share of the tolerance below which the reach of the bristles is none: they are the dry friction of their limit."""
 
-LOAD_SAMPLES = 8.0
-"""Fewest parts of a load's period into which a held pressure is cut, so that no breakaway is missed."""
+SETTLED = 0.01
+"""Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
 @compiled
-def plan_stem(p, state):
+def plan_stem(p, state, tolerance):
     """Write down once a run what does not change during it."""
-    state.plan_linear = is_linear(p)
+    state.plan_elastic = p.presliding_compliance * p.coulomb_friction > RIGID * tolerance
+    state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
+    state.plan_varies = varies_in_time(p)
+    state.plan_limit_held = has_held_limit(p)
+    own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
+    state.plan_response = 1.0 / max(own_rate, 1e-3)
+    state.plan_longest = longest_step(p, state)
     state.plan_steady = (
         state.plan_linear == 1.0
         and not varies_in_time(p)
@@ -71,12 +62,17 @@ def plan_stem(p, state):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    # The remaining closed forms need the events.
+    state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0
+    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
+        state.plan_closed = 0.0
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
     state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.known_duration = state.quiet_duration = -1.0
-    state.trial_step = 0.0
+    state.trial_step, state.kept_length = math.inf, -1.0
+    state.chamber_rate = state.filled_rate = math.nan
 
 
 @inlined
@@ -126,6 +122,43 @@ def remember_glide(p, state, side, duration):
 
 
 @compiled
+def glide_part(p, state, memory):
+    """Move a steady stem through a part of moving pressure if nothing happens in it, and return whether that was so.
+
+    Between the nodes speed and pressure go beyond their values there by a part of their bends or of their range only.
+    """
+    count, side, speeds = int(memory.part_count), state.mode, memory.speeds
+    hold = p.spring_rate * state.position + p.spring_preload
+    if side == STUCK:
+        lowest = highest = memory.pressures[0]
+        for node in range(1, count + 1):
+            lowest, highest = min(lowest, memory.pressures[node]), max(highest, memory.pressures[node])
+        slack = 0.5 * (highest - lowest)
+        can_rise = p.diaphragm_area * (highest + slack) - hold > state.plan_rising_friction * state.plan_ratio
+        can_fall = p.diaphragm_area * (lowest - slack) - hold < -state.plan_falling_friction * state.plan_ratio
+        return not (can_rise or can_fall)
+    mass, speed = p.stem_mass, side * state.velocity
+    damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
+    remember_response(memory.responses[0], damping, p.spring_rate / mass, memory.part_spacing, count)
+    friction = state.plan_rising_friction if side > 0.0 else state.plan_falling_friction
+    net = side * (p.diaphragm_area * memory.part_powers[0] - hold) - friction
+    memory.step_spacing, memory.step_speed, memory.step_start = memory.part_spacing, speed, net / mass - damping * speed
+    for power in range(1, count + 1):
+        memory.pull_powers[power] = side * p.diaphragm_area / mass * memory.part_powers[power]
+    speeds[0] = speed
+    lay_motion(memory, count)
+    lowest, bend = min(speed, speeds[count]), 0.0
+    for node in range(1, count):
+        lowest = min(lowest, speeds[node])
+        bend = max(bend, speeds[node - 1] - 2.0 * speeds[node] + speeds[node + 1])
+    position = state.position + side * memory.ways[count]
+    is_quiet = lowest - 0.5 * bend >= STOP_SPEED and state.plan_lowest <= position <= state.plan_highest
+    if is_quiet:
+        state.position, state.velocity = position, side * speeds[count]
+    return is_quiet
+
+
+@compiled
 def remembered_transition(p, state, damping, stiffness, duration):
     """Return `transition`, computed anew only where its arguments differ from the last ones."""
     if state.known_duration != duration or state.known_damping != damping or state.known_stiffness != stiffness:
@@ -137,96 +170,89 @@ def remembered_transition(p, state, damping, stiffness, duration):
 
 
 @compiled
-def breakaway_side(p, state, pressure, time):
-    """Return the side to which a resting stem breaks away, STUCK where friction or an end of the travel holds it."""
-    position = state.position
-    net = thrust(p, position, pressure, time)
-    side = RISING if net > 0.0 else FALLING
-    if abs(net) <= state.plan_ratio * sliding_friction(p, side, position, pressure, time):
-        return STUCK
-    is_blocked = position >= state.plan_highest if side > 0.0 else position <= state.plan_lowest
-    return STUCK if is_blocked else side
+def longest_step(p, state):
+    """Return the longest step that cannot miss what forces that vary in time, or a bow behind a lag, do within. [s]"""
+    longest = math.inf
+    if p.load_sine != 0.0 or p.load_cosine != 0.0:
+        longest = RESOLVED * p.load_period
+    if p.friction_drift_rate != 0.0:
+        longest = min(longest, RESOLVED * p.friction_drift_time)
+    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
+        longest = min(longest, state.plan_response)
+    return longest
 
 
 @compiled
-def time_stuck(p, state, pressure, time, duration):
-    """Return how long a stem that holds at an instant goes on holding, at most a duration. [s]"""
-    if not varies_in_time(p) or breakaway_side(p, state, pressure, time + duration) == STUCK:
-        return duration
-    low, high = 0.0, duration
-    while high - low > 1e-12 + 1e-15 * time:
-        middle = 0.5 * (low + high)
-        if breakaway_side(p, state, pressure, time + middle) == STUCK:
-            low = middle
-        else:
-            high = middle
-    return high
+def advance_stem(p, state, memory, time, duration, tolerance):
+    """Move the stem until its next event or the end of a duration; return the time used. [s]
 
-
-@compiled
-def advance_stem(p, state, pressure, time, duration, tolerance):
-    """Hold the pressure and move the stem until its next event or the end of a duration; return the time used. [s]
-
-    Forces that vary in time are held at their value in the middle of a slip, exact to second order; `longest_hold`
-    bounds the duration for it. A linear slip is one closed-form step. Else the forces are linearised at the start
-    of a step, whose length keeps the force left over at its end below the tolerance. [N]
+    A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
-    if p.presliding_compliance > 0.0:
-        return advance_presliding(p, state, pressure, time, duration, tolerance)
+    if state.plan_elastic == 1.0:
+        if is_coarse(tolerance):
+            return advance_linearised(p, state, memory, time, duration, tolerance)
+        if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
+            return duration
+        return advance_travel(p, state, memory, time, duration, tolerance)
+    pressure = pressure_at(memory, time)
     breaks_away = state.mode == STUCK
     if breaks_away:
         side = breakaway_side(p, state, pressure, time)
         if side == STUCK:
-            return time_stuck(p, state, pressure, time, duration)
+            return time_stuck(p, state, memory, time, duration, tolerance)
         state.velocity = 0.0
         state.mode = side
-        state.trial_step = 0.0
     elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, time) == STUCK:
         come_to_rest(state)
         return 0.0
-    return advance_slip(p, state, pressure, time, duration, tolerance, breaks_away)
+    if memory.part_count == 0.0 and state.plan_closed == 1.0:
+        return advance_slip(p, state, pressure, duration, breaks_away)
+    return advance_travel(p, state, memory, time, duration, tolerance)
 
 
 @compiled
-def come_to_rest(state):
-    """End a slip where the stem is."""
-    state.velocity = 0.0
-    state.mode = STUCK
+def rests_on_bristles(p, state, memory, time, duration, tolerance):
+    """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
+    position = state.position
+    net = thrust(p, position, pressure_at(memory, time), time) - state.bristle
+    limit = limiting_friction(p, 0.0, position, pressure_at(memory, time), time, 0.0)
+    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
+    if abs(net) * p.presliding_compliance <= SETTLED * tolerance * max(1.0 - abs(state.bristle) / limit, 1e-9):
+        if is_held:
+            return True
+        later = time + duration
+        net = thrust(p, position, pressure_at(memory, later), later) - state.bristle
+    side = RISING if net > 0.0 else FALLING
+    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    if net == 0.0 or room <= 0.0:
+        return True
+    state.mode, state.velocity = side, 0.0
+    return False
 
 
 @compiled
-def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
-    """Move a slipping stem by one step, to its stop or the end of the duration at most; return the time used. [s]"""
-    middle = time + 0.5 * duration
+def advance_slip(p, state, pressure, duration, breaks_away):
+    """Move a linear slip under held forces to its next event or the end of a duration; return the time used. [s]"""
     side, position = state.mode, state.position
     speed = side * state.velocity
     mass = p.stem_mass
-    coulomb = sliding_friction(p, side, position, pressure, middle)
+    coulomb = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
-    stiffness = tangent_stiffness(p, side, position, pressure, middle)
-    friction, damping = coulomb, viscous
-    if p.stribeck_ratio > 1.0:
-        excess = stribeck_excess(p, coulomb, speed)
-        friction += excess
-        damping -= stribeck_slope(p, excess, speed)
-    start = (side * thrust(p, position, pressure, middle) - friction - viscous * speed) / mass
+    stiffness = tangent_stiffness(p, side, position, pressure, 0.0)
+    start = (side * thrust(p, position, pressure, 0.0) - coulomb - viscous * speed) / mass
     if breaks_away and start <= 0.0:
-        # Rounding, or a load that falls back within the duration: friction holds it after all.
+        # Rounding: friction holds it after all.
         come_to_rest(state)
         return duration
-    if state.plan_linear == 0.0:
-        return advance_curved_slip(
-            p, state, pressure, middle, duration, tolerance, speed, start, viscous, damping, stiffness
-        )
-    stop = first_stop(mass, damping, stiffness, speed, start)
+    stop = first_stop(mass, viscous, stiffness, speed, start)
     step = min(stop, duration)
-    vv, va, av, aa, yv, ya = remembered_transition(p, state, damping, stiffness, step)
+    vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step)
     way = yv * speed + ya * start
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     has_stopped = stop <= duration
     if not way <= room:
-        return hit_limit(state, mass, damping, stiffness, speed, start, room, step)
+        return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < STOP_SPEED and (not has_stopped or next_acceleration > -HARD_STOP)
     if is_slow and next_acceleration < 0.0:
         breakaway = state.plan_ratio * coulomb
@@ -234,19 +260,19 @@ def advance_slip(p, state, pressure, time, duration, tolerance, breaks_away):
             has_stopped = True
             # Well inside what holds it, or rounding would let it break away anew.
             excess = coulomb * (1.0 - breakaway_ratio(p) * (1.0 + 0.5 * HOLD))
-            step = slip_end(mass, damping, stiffness, speed, start, excess, step)
-            vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)
+            step = slip_end(mass, viscous, stiffness, speed, start, excess, step)
+            vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     if p.sensor_time_constant > 0.0:
         contact = way_to_contact(p, state, side)
         if TOUCHING < contact < way:
             # The play closes: the transmitter follows only from here on.
-            step = time_of_way(mass, damping, stiffness, speed, start, contact, step)
-            vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)
+            step = time_of_way(mass, viscous, stiffness, speed, start, contact, step)
+            vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way, has_stopped = contact, False
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    leave_trace(state, mass, damping, stiffness, speed, start, next_speed, next_acceleration)
+    leave_trace(state, mass, viscous, stiffness, speed, start, next_speed, next_acceleration)
     state.position = position + side * way
     state.velocity = side * max(next_speed, 0.0)
     if has_stopped:
@@ -270,84 +296,11 @@ def way_to_contact(p, state, side):
 
 
 @compiled
-def hit_limit(state, mass, damping, stiffness, speed, acceleration, room, step):
-    """Move a slip to the end of the travel, where it stops dead; return the time used. [s]"""
+def hit_limit(p, state, mass, damping, stiffness, speed, acceleration, room, step):
+    """Move a slip to the end of the travel; return the time used. [s]"""
     step = time_of_way(mass, damping, stiffness, speed, acceleration, max(room, 0.0), step)
     vv, va, av, aa, _, _ = transition(mass, damping, stiffness, step)
     next_speed, next_acceleration = vv * speed + va * acceleration, av * speed + aa * acceleration
     leave_trace(state, mass, damping, stiffness, speed, acceleration, next_speed, next_acceleration)
-    state.position = state.plan_highest if state.mode > 0.0 else state.plan_lowest
-    come_to_rest(state)
+    meet_limit(p, state, next_speed)
     return step
-
-
-@compiled
-def advance_curved_slip(p, state, pressure, time, duration, tolerance, speed, start, viscous, damping, stiffness):
-    """Move a slip under curved forces by one linearised step of controlled error; return the time used. [s]
-
-    The force left over grows with the square of time: its first effect on speed and way is added, so that the error
-    is of the fourth order. The next step aims at the tolerance.
-    """
-    mass, side, position = p.stem_mass, state.mode, state.position
-    trial = state.trial_step if state.trial_step > 0.0 else duration
-    if damping < 0.0:
-        trial = min(trial, -UNSTABLE * mass / damping)
-    step = min(trial, duration)
-    stop = first_stop(mass, damping, stiffness, speed, start)
-    while True:
-        has_stopped = stop <= step
-        if has_stopped:
-            step = stop
-        vv, va, av, aa, yv, ya = transition(mass, damping, stiffness, step)
-        next_speed = 0.0 if has_stopped else vv * speed + va * start
-        next_acceleration = av * speed + aa * start
-        way = yv * speed + ya * start
-        left_over = slip_left_over(p, side, position, way, next_speed, next_acceleration, pressure, time, viscous)
-        factor = step_factor(left_over, tolerance)
-        if p.tight_spot_excess != 0.0 and way > SPOT_SHARE * p.tight_spot_width:
-            distance = side * (p.tight_spot_position - position)
-            reach = SPOT_REACH * p.tight_spot_width
-            if -reach < distance < way + reach:
-                factor = min(factor, CAUTION * SPOT_SHARE * p.tight_spot_width / way)
-        if factor >= CAUTION or step <= SHORTEST_STEP:
-            break
-        step *= max(factor, SHRINKAGE)
-    state.trial_step = max(trial if step < trial and factor >= 1.0 else step * min(factor, GROWTH), SHORTEST_STEP)
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    way += ya * left_over / (6.0 * mass)
-    if not way <= room:
-        return hit_limit(state, mass, damping, stiffness, speed, start, room, step)
-    if not has_stopped:
-        next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
-    leave_trace(state, mass, damping, stiffness, speed, start, next_speed, next_acceleration)
-    state.position = position + side * max(way, 0.0)
-    state.velocity = side * next_speed
-    is_slow = next_speed < STOP_SPEED and next_acceleration < 0.0
-    if is_slow and breakaway_side(p, state, pressure, time) == STUCK:
-        has_stopped = True
-    if has_stopped or next_speed == 0.0:
-        come_to_rest(state)
-        state.trial_step = 0.0
-    return step
-
-
-@compiled
-def slip_left_over(p, side, position, way, speed, acceleration, pressure, time, viscous):
-    """Return the net force at the end of a linearised slip step less the one that the step assumed. [N]"""
-    end = position + side * way
-    friction = sliding_friction(p, side, end, pressure, time)
-    if p.stribeck_ratio > 1.0:
-        friction += stribeck_excess(p, friction, speed)
-    net = side * thrust(p, end, pressure, time) - friction - viscous * speed
-    return net - p.stem_mass * acceleration
-
-
-@compiled
-def longest_hold(p, substep):
-    """Return how long forces that vary in time may be held at their middle. [s]"""
-    longest = math.inf
-    if p.load_sine != 0.0 or p.load_cosine != 0.0:
-        longest = min(substep, p.load_period / LOAD_SAMPLES)
-    if p.friction_drift_rate != 0.0:
-        longest = min(longest, DRIFT_HOLD)
-    return longest

@@ -49,8 +49,15 @@ EFFECTS = (
         stage="nozzle",
         title="asymmetric filling",
         meaning="the amplifier fills and vents at different capacities, down to a rate limit one way",
-        equation=r"\dot P = (P_s - P)/T_\pm,\quad |\dot P| \le 1/|s| \text{ one way}",
-        source="spool amplifier with unequal ports; first order with rate limit",
+        equation=(
+            r"\dot P = (P_s - P)/T_\pm\quad\text{or}\quad "
+            r"T_\pm \dot P/P_1 = \sqrt{1 - P/P_1} - \sqrt{P_1/P_s - 1}\,\sqrt{P/P_1},"
+            r"\quad |\dot P| \le 1/|s| \text{ one way}"
+        ),
+        source=(
+            "spool amplifier with unequal ports, first order with rate limit; or unequal orifices and paper eq. (15), "
+            "whose nozzle is open as the resting pressure P_s has it"
+        ),
         parameters=(
             Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
             Parameter("vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02)),
@@ -62,6 +69,16 @@ EFFECTS = (
                 2e-3,
                 0.0,
                 (1e-5, -1e-5),
+            ),
+            Parameter(
+                "orifice_share",
+                "1",
+                "0: the flow is as the pressure difference; 1: as square roots of pressure differences, by orifices",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction"),
@@ -153,53 +170,47 @@ EFFECTS = (
 )
 
 static_pressure = inlined(numeric.static_pressure)
-chamber_inflow = compiled(numeric.chamber_inflow)
 
 
-@compiled
-def passed_share(ratio, critical):
-    """Return the flow through a hole over its choked flow, ISO 6358."""
-    if ratio <= critical:
-        return 1.0
-    if ratio >= 1.0:
-        return 0.0
-    part = (ratio - critical) / (1.0 - critical)
-    return math.sqrt(1.0 - part * part)
+@inlined
+def choking_balance(pressure, high_side, opening, critical, orifice_chokes, nozzle_chokes):
+    """Return the flow through the orifice squared less that through the nozzle, ISO 6358; absolute pressures."""
+    breadth = (1.0 - critical) * (1.0 - critical)
+    through_orifice = high_side * high_side
+    if not orifice_chokes:
+        through_orifice -= (pressure - critical * high_side) ** 2 / breadth
+    through_nozzle = pressure * pressure
+    if not nozzle_chokes:
+        through_nozzle -= (ATMOSPHERE - critical * pressure) ** 2 / breadth
+    return through_orifice - opening * opening * through_nozzle
 
 
 @compiled
 def compressible_pressure(gap, supply, flow_ratio, critical):
     """Return the gauge pressure at which the choking orifice feeds the choking nozzle. [Pa]
 
-    The balance falls with the pressure; its root is bracketed by 0 and the supply (Illinois method).
+    The balance falls with the pressure. Each hole either chokes or not, which its sign at the two pressures of change
+    tells; in each of the four cases the balance of the squared flows is a quadratic equation.
     """
     opening = math.sqrt(flow_ratio) * abs(gap)
     high_side = supply + ATMOSPHERE
-    low, high = 0.0, supply
-    at_low = high_side * passed_share(ATMOSPHERE / high_side, critical)
-    at_high = -opening * high_side * passed_share(ATMOSPHERE / high_side, critical)
-    pressure = high
-    if at_high >= 0.0:
-        return pressure
-    side = 0
-    for _ in range(100):
-        pressure = (low * at_high - high * at_low) / (at_high - at_low)
-        absolute = pressure + ATMOSPHERE
-        balance = high_side * passed_share(absolute / high_side, critical)
-        balance -= opening * absolute * passed_share(ATMOSPHERE / absolute, critical)
-        if abs(balance) <= 1e-12 * high_side or high - low <= 1e-9 * supply:
-            break
-        if balance > 0.0:
-            low, at_low = pressure, balance
-            if side == 1:
-                at_high *= 0.5
-            side = 1
-        else:
-            high, at_high = pressure, balance
-            if side == -1:
-                at_low *= 0.5
-            side = -1
-    return pressure
+    orifice_change, nozzle_change = critical * high_side, ATMOSPHERE / critical
+    orifice_chokes = orifice_change > ATMOSPHERE and (
+        choking_balance(orifice_change, high_side, opening, critical, True, orifice_change >= nozzle_change) < 0.0
+    )
+    nozzle_chokes = nozzle_change < high_side and (
+        choking_balance(nozzle_change, high_side, opening, critical, nozzle_change <= orifice_change, True) > 0.0
+    )
+    breadth = 1.0 / ((1.0 - critical) * (1.0 - critical))
+    from_orifice = 0.0 if orifice_chokes else breadth
+    from_nozzle = 0.0 if nozzle_chokes else opening * opening * breadth
+    square = critical * critical * from_nozzle - from_orifice - opening * opening
+    half = critical * (high_side * from_orifice - ATMOSPHERE * from_nozzle)
+    constant = high_side * high_side * (1.0 - critical * critical * from_orifice) + ATMOSPHERE**2 * from_nozzle
+    root = math.sqrt(max(half * half - square * constant, 0.0))
+    # The root at which the balance falls, without cancellation.
+    absolute = -(half + root) / square if half > 0.0 else constant / (root - half)
+    return min(max(absolute - ATMOSPHERE, 0.0), supply)
 
 
 @inlined
@@ -222,68 +233,22 @@ def behind_leak(p, pressure):
     return root * root
 
 
-@compiled
-def fill_chamber(p, state, resting, gap, supply, duration):
-    """Let the chamber fill towards its resting pressure and return the mean pressure. [Pa]
-
-    Exponential midpoint rule: exact at rest, second order, stable for any duration.
-    """
-    departure = state.chamber_pressure - resting
-    if abs(departure) <= 1e-9 * supply:
-        state.chamber_pressure = resting
-        return resting
-    rate = filling_rate(p, state.chamber_pressure, resting, gap, supply)
-    halfway = resting + departure * math.exp(-0.5 * rate * duration)
-    rate = filling_rate(p, halfway, resting, gap, supply)
-    decayed = -math.expm1(-rate * duration)
-    state.chamber_pressure = resting + departure * (1.0 - decayed)
-    return resting + departure * decayed / (rate * duration)
-
-
-@compiled
-def filling_rate(p, pressure, resting, gap, supply):
-    """Return the rate at which a departure from rest dies out, its secant in eq. (15). [1/s]"""
-    bounded = min(max(pressure, 0.0), supply)
-    departure = bounded - resting
-    if abs(departure) <= 1e-9 * supply:
-        bounded = resting * (1.0 - 1e-6) + 1e-6 * supply
-        departure = bounded - resting
-    inflow = chamber_inflow(bounded, gap, supply, p.flow_ratio)
-    at_rest = chamber_inflow(resting, gap, supply, p.flow_ratio)
-    filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * bounded / supply)
-    return max(-(inflow - at_rest) * supply / (departure * filling_time), 1e-6)
-
-
-@compiled
-def fill_unequally(p, state, target, duration):
-    """Follow a target at the capacity of the direction, rate-limited one way; return the mean. [Pa]"""
-    departure = target - state.filled_pressure
-    side = 1.0 if departure > 0.0 else -1.0
-    time_constant = p.fill_time if side > 0.0 else p.vent_time
-    is_limited = p.filling_slowness != 0.0 and (side < 0.0) == (p.filling_slowness > 0.0)
-    left, area, size = duration, 0.0, abs(departure)
-    if is_limited:
-        rate = 1.0 / abs(p.filling_slowness)
-        ramp = min(max((size - rate * time_constant) / rate, 0.0), left)
-        area += ramp * (size - 0.5 * rate * ramp)
-        size -= rate * ramp
-        left -= ramp
-    if time_constant > 0.0:
-        decayed = -math.expm1(-left / time_constant)
-        area += size * time_constant * decayed
-        size -= size * decayed
-    elif left > 0.0:
-        size = 0.0
-    state.filled_pressure = target - side * size
-    return target - side * area / duration
-
-
 @inlined
 def resting_pressure_of_chain(p, gap, current):
     """Return the pressure at rest under the full supply, by eqs. (16), (31) or by the valve's affine map. [Pa]"""
     if p.pressure_per_current > 0.0:
         return p.pressure_at_zero_current + p.pressure_per_current * current
     return resting_pressure(p, gap, p.supply_pressure)
+
+
+@inlined
+def advance_nozzle(p, state, gap, current):
+    """Hold a gap and return the actuator pressure that it gives where nothing fills or sags. [Pa]
+
+    Valve sets with an affine map of current to pressure use the current instead of the gap.
+    """
+    state.pressure = behind_leak(p, resting_pressure_of_chain(p, gap, current))
+    return state.pressure
 
 
 @compiled
@@ -295,54 +260,12 @@ def drawn_to_settle(p, share):
 
 
 @compiled
-def sag_supply(p, state, share, duration):
-    """Let a rise of the pressure draw the supply down, which then recovers; return the mean pressure. [Pa]
-
-    Exact while the share of the supply is held: the sag acts at once on the rise that causes it.
-    """
-    before = state.supplied_pressure
-    pressure = (p.supply_pressure - state.droop) * share
-    if pressure > before:
-        pressure = (pressure + p.droop_gain * share * before) / (1.0 + p.droop_gain * share)
-        state.droop += p.droop_gain * (pressure - before)
-    settled = drawn_to_settle(p, share)
-    recovery_time = p.droop_recovery_time * (1.0 + p.droop_gain * share)
-    recovered = -math.expm1(-duration / recovery_time)
-    excess = state.droop - settled
-    mean = (p.supply_pressure - settled - excess * recovery_time * recovered / duration) * share
-    state.droop -= excess * recovered
-    state.supplied_pressure = (p.supply_pressure - state.droop) * share
-    return mean
-
-
-@inlined
-def advance_nozzle(p, state, gap, current, duration):
-    """Hold the gap for a duration and return the mean actuator pressure over it. [Pa]
-
-    Valve sets with an affine map of current to pressure use the current instead of the gap.
-    """
-    pressure = resting_pressure_of_chain(p, gap, current)
-    after = pressure
-    if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
-        pressure = sag_supply(p, state, pressure / p.supply_pressure, duration)
-        after = state.supplied_pressure
-    if p.chamber_filling_time > 0.0:
-        pressure = fill_chamber(p, state, pressure, gap, p.supply_pressure, duration)
-        after = state.chamber_pressure
-    if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
-        pressure = fill_unequally(p, state, pressure, duration)
-        after = state.filled_pressure
-    state.pressure = behind_leak(p, after)
-    return behind_leak(p, pressure)
-
-
-@compiled
 def rest_nozzle(p, state, gap, current):
     """Put the stage at rest at a gap."""
     pressure = resting_pressure_of_chain(p, gap, current)
-    state.droop = drawn_to_settle(p, pressure / p.supply_pressure)
+    state.share = pressure / p.supply_pressure
+    state.droop = drawn_to_settle(p, state.share)
     pressure *= 1.0 - state.droop / p.supply_pressure
-    state.supplied_pressure = pressure
     state.chamber_pressure = pressure
     state.filled_pressure = pressure
     state.pressure = behind_leak(p, pressure)

@@ -1,116 +1,61 @@
-"""Motion of a stem whose friction is elastic before it slides: Dahl's bristles, with F_s > F_c those of LuGre."""
+"""Friction that is elastic before it slides: Dahl's bristles, with F_s > F_c those of LuGre."""
 
 from __future__ import annotations
 
 import math
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.slip import (
-    CAUTION,
-    GROWTH,
-    SHORTEST_STEP,
-    SHRINKAGE,
-    first_stop,
-    step_factor,
-    time_of_way,
-    transition,
-)
-from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, tangent_stiffness, thrust
-
-NEGLIGIBLE_SWING = 7e-8
-"""A stuck stem whose next elastic swing is shorter than this goes to its balance, at a tolerance of 1 N. [m]"""
-
-SETTLED = 3.0
-"""Time constants of a creep to its balance after which it is taken to be there."""
+from valvemodel.stages.nodes import fit_powers, left_out
+from valvemodel.stages.stem import limiting_friction
 
 
 @compiled
-def advance_presliding(p, state, pressure, time, duration, tolerance):
-    """Move a stem on bristles until its next reversal or the end of a duration; return the time used. [s]
+def bristle_stiffness(p, bristle, limit):
+    """Return by how much the force of the bristles grows with the way, at least 0. [N/m]"""
+    return max(1.0 - bristle / limit, 0.0) / p.presliding_compliance
 
-    Along a way in one direction the friction is a function of the position alone (Dahl), so that the step is the
-    linearised one of `advance_slip` with the stiffness of the bristles added.
+
+@compiled
+def lay_bristles(p, state, memory, count):
+    """Write the force of the bristles at the nodes of a step, counted against the motion.
+
+    Under a limit that is held it is a function of the way alone, exact (Dahl). Else its departure from the limit dies
+    out with the way over the limit's own reach, while the limit's changes feed it: both are integrals through nodes.
     """
-    middle = time + 0.5 * duration
-    position, bristle = state.position, state.bristle
-    contact = 1.0 / p.presliding_compliance
-    mass = p.stem_mass
-    net = thrust(p, position, pressure, middle) - bristle
-    if state.mode == STUCK:
-        side = RISING if net > 0.0 else FALLING
-        room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-        if net == 0.0 or room <= 0.0:
-            return duration
-        state.mode = side
-        state.velocity = 0.0
-        state.trial_step = 0.0
-    side = state.mode
-    speed = side * state.velocity
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    limit = limiting_friction(p, side, position, pressure, middle, speed)
-    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
-    slope = max(contact * (1.0 - side * bristle / limit), 0.0)
-    stiffness = tangent_stiffness(p, side, position, pressure, middle) + slope
-    start = (side * net - viscous * speed) / mass
-    if speed == 0.0:
-        swing = side * net
-        is_quick = SETTLED * viscous <= stiffness * duration
-        if is_quick and swing <= NEGLIGIBLE_SWING * math.sqrt(tolerance) * stiffness:
-            settle(p, state, min(swing / stiffness, room), limit)
-            return duration
-    stop = first_stop(mass, viscous, stiffness, speed, start)
-    trial = state.trial_step if state.trial_step > 0.0 else duration
-    step = min(trial, duration)
-    while True:
-        has_stopped = stop <= step
-        if has_stopped:
-            step = stop
-        vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
-        next_speed = 0.0 if has_stopped else vv * speed + va * start
-        next_acceleration = av * speed + aa * start
-        way = yv * speed + ya * start
-        end = position + side * way
-        following = bristle_after(p, side, end, way, pressure, middle, next_speed, bristle)
-        left_over = side * (thrust(p, end, pressure, middle) - following) - viscous * next_speed
-        left_over -= mass * next_acceleration
-        factor = step_factor(left_over, tolerance)
-        if factor >= CAUTION or step <= SHORTEST_STEP:
-            break
-        step *= max(factor, SHRINKAGE)
-    state.trial_step = max(trial if step < trial and factor >= 1.0 else step * min(factor, GROWTH), SHORTEST_STEP)
-    way = max(way + ya * left_over / (6.0 * mass), 0.0)
-    if not way <= room:
-        step = time_of_way(mass, viscous, stiffness, speed, start, max(room, 0.0), step)
-        way, has_stopped = room, True
-    elif not has_stopped:
-        next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
-        has_stopped = next_speed == 0.0
-    end = position + side * way
-    state.bristle = bristle_after(p, side, end, way, pressure, middle, next_speed, bristle)
-    state.position = end
-    state.velocity = side * next_speed
-    state.trace_damping, state.trace_stiffness = viscous / mass, stiffness / mass
-    state.trace_velocity, state.trace_acceleration = side * speed, side * start
-    state.trace_next_velocity, state.trace_next_acceleration = side * next_speed, side * next_acceleration
-    if has_stopped:
-        state.velocity = 0.0
-        state.mode = STUCK
-        state.trial_step = 0.0
-    return step
+    side, start, compliance = memory.step_side, memory.bristles[0], p.presliding_compliance
+    for node in range(count + 1):
+        position = memory.step_position + side * memory.ways[node]
+        time = memory.step_time + node * memory.step_spacing
+        speed = max(memory.speeds[node], 0.0)
+        memory.limits[node] = limiting_friction(p, side, position, memory.step_pressures[node], time, speed)
+    departure, memory.bristles_off = start - memory.limits[0], 0.0
+    if state.plan_limit_held == 1.0:
+        for node in range(1, count + 1):
+            reach = memory.limits[node] * compliance
+            memory.bristles[node] = memory.limits[node] + departure * math.exp(-memory.ways[node] / reach)
+        return
+    for node in range(count + 1):
+        memory.values[node] = memory.speeds[node] / (memory.limits[node] * compliance)
+    fit_powers(count, memory.values, memory.powers)
+    length = count * memory.step_spacing
+    memory.bristles_off = abs(departure) * length * left_out(count, memory.powers)
+    for node in range(count + 1):
+        # The feed of the last pass.
+        memory.forces[node] = memory.values[node] * memory.feeds[node]
+        memory.values[node] = memory.step_spacing * area_to(count, memory.powers, node)
+    fit_powers(count, memory.forces, memory.powers)
+    memory.bristles_off += length * left_out(count, memory.powers)
+    for node in range(1, count + 1):
+        change = memory.limits[node] - memory.limits[0]
+        memory.feeds[node] = change - memory.step_spacing * area_to(count, memory.powers, node)
+        decayed = departure * math.exp(-memory.values[node])
+        memory.bristles[node] = memory.limits[node] + decayed - memory.feeds[node]
 
 
 @compiled
-def bristle_after(p, side, end, way, pressure, time, speed, bristle):
-    """Return the force of the bristles after a way to one side, exact along it (Dahl). [N]"""
-    limit = limiting_friction(p, side, end, pressure, time, speed)
-    return side * limit + (bristle - side * limit) * math.exp(-abs(way) / (limit * p.presliding_compliance))
-
-
-@compiled
-def settle(p, state, way, limit):
-    """Take a stuck stem over a short elastic way to its balance."""
-    side = state.mode
-    state.position += side * way
-    state.bristle = side * limit + (state.bristle - side * limit) * math.exp(-way / (limit * p.presliding_compliance))
-    state.velocity = 0.0
-    state.mode = STUCK
+def area_to(count, powers, node):
+    """Return the area under a polynomial from the first node to another, in spacings."""
+    area = 0.0
+    for power in range(count, -1, -1):
+        area = (area + powers[power] / (power + 1.0)) * node
+    return area

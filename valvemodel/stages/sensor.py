@@ -6,6 +6,8 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
+from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.nodes import slope_at
 
 EFFECTS = (
     Effect(
@@ -54,6 +56,7 @@ EFFECTS = (
             ),
         ),
         is_jagged=True,
+        stops_again=True,
         told_apart_by="the readings themselves: they take few values",
     ),
     Effect(
@@ -157,10 +160,10 @@ def follow_steadily(p, state):
 
 
 @compiled
-def follow_stem(p, state, before, after, duration):
+def follow_stem(p, state, memory, before, after, duration):
     """Follow a stem that moves one way from one position to another within a duration.
 
-    The lag is exact behind a straight linkage; a bow is taken as straight along the step.
+    The lag is exact behind a straight linkage; what a bow adds is a polynomial through the nodes of the step.
     """
     was = state.linkage
     follow_steadily(p, state)
@@ -178,7 +181,34 @@ def follow_stem(p, state, before, after, duration):
     of_velocity, of_acceleration = lag_of_slip(p.sensor_time_constant, state.trace_damping, state.trace_stiffness)
     forced = gain * (of_velocity * state.trace_velocity + of_acceleration * state.trace_acceleration)
     following = gain * (of_velocity * state.trace_next_velocity + of_acceleration * state.trace_next_acceleration)
+    if memory.trace_count > 0.0:
+        following += lag_of_pulls(p, memory, gain, of_acceleration)
     state.lagged_reading = end - following - (behind - forced) * state.lag_decay
+
+
+@compiled
+def lag_of_pulls(p, memory, gain, of_acceleration):
+    """Return how far a lagged reading is further behind an integrated step: by its pulls, and by a bow. [m]"""
+    count, side, spacing = int(memory.trace_count), memory.step_side, memory.step_spacing
+    lag = memory.lags[4]
+    remember_lag(lag, 1.0 / p.sensor_time_constant, spacing, count)
+    for node in range(count + 1):
+        # The lag's own acceleration factor feeds on the slope of the pulls.
+        source = -of_acceleration * gain * slope_at(count, memory.pull_powers, float(node)) / spacing
+        position = memory.step_position + side * memory.ways[node]
+        source += (bow_slope(p, position) - gain) * memory.speeds[node]
+        memory.forces[node] = side * source
+    follow_nodes(lag, 0.0, memory.forces, memory.powers, memory.values)
+    return memory.values[count]
+
+
+@inlined
+def bow_slope(p, position):
+    """Return how the indicated position changes with the true one."""
+    share = position / p.rated_travel
+    slope = 4.0 * (1.0 - 2.0 * share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+    slope -= 8.0 * share * (1.0 - share) * SKEW * p.linkage_skew
+    return 1.0 + slope / p.rated_travel
 
 
 @compiled

@@ -22,13 +22,6 @@ ROUNDS = 80
 """Most iterations of a bracketed root; bisection alone needs 60."""
 
 
-GROWTH, SHRINKAGE, CAUTION = 6.0, 0.1, 0.8
-"""A step grows and shrinks by no more than these factors, and aims at this share of what the tolerance allows."""
-
-SHORTEST_STEP = 1e-8
-"""A linearised step is not made shorter than this: it is far below any time constant of a valve. [s]"""
-
-
 @compiled
 def transition(mass, damping, stiffness, duration):
     """Return the exact map of (v, a) over a duration of m a' = -c a - k v, any sign of c and k.
@@ -186,11 +179,3 @@ def time_of_way(mass, damping, stiffness, speed, acceleration, distance, high):
             break
         instant = following
     return following
-
-
-@compiled
-def step_factor(left_over, tolerance):
-    """Return by what factor a step should change, whose left-over force grows with its square."""
-    if not abs(left_over) < math.inf:
-        return 0.0
-    return CAUTION * math.sqrt(tolerance / (abs(left_over) + 1e-9 * tolerance))

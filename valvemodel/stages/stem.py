@@ -32,6 +32,7 @@ EFFECTS = (
             ),
         ),
         is_jagged=True,
+        stops_again=True,
         aliases=("stribeck",),
         told_apart_by="slow ramps: Stribeck friction also drops while the stem already moves",
     ),
@@ -75,6 +76,7 @@ EFFECTS = (
         ),
         is_jagged=True,
         is_chaotic=True,
+        stops_again=True,
         aliases=("static_friction",),
         told_apart_by="ramps at several slow speeds",
     ),
@@ -349,13 +351,20 @@ def tangent_stiffness(p, side, position, pressure, time):
 
 @compiled
 def is_linear(p):
-    """Return whether a slip under a held pressure is a linear equation, so that one step is exact."""
+    """Return whether a slip on dry friction under a held pressure is a linear equation, so that one step is exact."""
     return (
-        p.spring_hardening == 0.0
-        and p.area_curvature == 0.0
+        p.spring_hardening == 0.0 and p.area_curvature == 0.0 and p.tight_spot_excess == 0.0 and p.stribeck_ratio == 1.0
+    )
+
+
+@compiled
+def has_held_limit(p):
+    """Return whether the force that bristles approach is the same along a slip to one side."""
+    return (
+        breakaway_ratio(p) == 1.0
         and p.tight_spot_excess == 0.0
-        and p.stribeck_ratio == 1.0
-        and p.presliding_compliance == 0.0
+        and p.friction_area == 0.0
+        and p.friction_drift_rate == 0.0
     )
 
 
@@ -380,9 +389,10 @@ def lowest_position(p):
 @compiled
 def stribeck_excess(p, coulomb, speed):
     """Return the friction above Coulomb's at a speed. [N]"""
-    relative = abs(speed) / p.stribeck_velocity
+    # A trial may run past the stop; the friction goes on smoothly there.
+    relative = max(speed / p.stribeck_velocity, -1.0)
     if p.stribeck_shape != 1.0:
-        relative = relative**p.stribeck_shape
+        relative = abs(relative) ** p.stribeck_shape
     return coulomb * (p.stribeck_ratio - 1.0) * math.exp(-relative)
 
 

@@ -1,0 +1,198 @@
+"""The second laws of effects that have two: what holds of each, against closed forms and against blind plants."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from simulation_runs import base_model, ramps_and_steps, run
+
+from diagnosis.blindtest.chain.electromagnet import _plays
+from diagnosis.blindtest.profiles import draw_profile
+from diagnosis.blindtest.truth import Truth
+from diagnosis.blindtest.valve import integrate
+from valvemodel.linear.nozzle import quickness_at_rest
+from valvemodel.model import Model
+from valvemodel.reference import simulate_slowly
+from valvemodel.simulation import simulate
+from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
+from valvemodel.stages import amplifier
+from valvemodel.valves import read_valve
+
+BASE = base_model()
+ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
+PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
+
+LAWS = {
+    "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
+    "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
+}
+"""By effect, its second law at telling values, and what makes that vanish."""
+
+INTEGRATED = {"asymmetric_filling": 3e-6}
+"""How far laws without a closed form may be off at the default accuracy. [m]"""
+
+
+def with_law(key: str, model: Model = BASE) -> Model:
+    return model.with_effect(key, **LAWS[key][0])
+
+
+@pytest.mark.parametrize("key", LAWS)
+def test_a_law_at_its_neutral_values_is_absent_to_the_last_bit(key):
+    time, current = ramps_and_steps(seconds=16.0, seed=4)
+    law, neutral = LAWS[key]
+    assert (run(BASE.with_effect(key, **{**law, **neutral}), time, current) == run(BASE, time, current)).all()
+    assert np.abs(run(with_law(key), time, current) - run(BASE, time, current)).max() > 1e-4
+
+
+@pytest.mark.parametrize("key", LAWS)
+@pytest.mark.parametrize("damping", [612.9, 1.59])
+def test_splitting_periods_changes_nothing(key, damping):
+    time, current = ramps_and_steps(seconds=16.0, seed=4)
+    model = with_law(key, base_model(viscous_friction=damping))
+    halved = np.empty(2 * len(time) - 1)
+    halved[::2], halved[1::2] = time, 0.5 * (time[1:] + time[:-1])
+    split = run(model, halved, np.repeat(current, 2)[:-1])[::2]
+    assert np.abs(split - run(model, time, current)).max() < INTEGRATED.get(key, 1e-12)
+
+
+@pytest.mark.parametrize("key", LAWS)
+@pytest.mark.parametrize("other", [None, "coil_lag"])
+def test_the_law_in_plain_python(key, other):
+    is_exact = other is None and key not in INTEGRATED
+    time, current = ramps_and_steps(seconds=15.0 if is_exact else 2.0, seed=1)
+    model = with_law(key) if other is None else with_law(key).with_effect(other)
+    found = simulate(model, time=time, current=current).position
+    expected = simulate_slowly(model, time=time, current=current).position
+    assert np.abs(found - expected).max() < (2e-14 if is_exact else 1e-5)
+
+
+@pytest.mark.parametrize("key", LAWS)
+def test_the_smooth_law_converges_to_the_exact_one(key):
+    time, current = ramps_and_steps(seconds=16.0, rate=100.0)
+    model = with_law(key)
+    exact = simulate(model, time=time, current=current, start_position=0.02).position
+    chain = SmoothChain(model, parts=parts_for(model, 0.01))
+    off = [
+        np.std(run_smooth(chain, time=time, current=current, start_position=0.02, width=width) - exact)
+        for width in (30.0, 0.01)
+    ]
+    assert off[0] < 3e-3
+    # A part takes the pressure as its mean.
+    assert off[1] < (5e-5 if key in INTEGRATED else 1e-6)
+
+
+def effective_current(current: np.ndarray, **values: float) -> np.ndarray:
+    """Current that the flux stands for, by a valve whose pressure is proportional to it. [A]"""
+    valve = read_valve("linear")
+    model = Model(valve.name, valve.values).with_effect("magnetic_hysteresis", **values)
+    time = 0.02 * np.arange(len(current) + 1)
+    pressure = simulate(model, time=time, current=np.append(current, current[-1])).pressure[1:]
+    return (pressure - valve.values["pressure_at_zero_current"]) / valve.values["pressure_per_current"]
+
+
+def stroke(*turns: float) -> np.ndarray:
+    """Ramps from turn to turn in equal steps. [A]"""
+    parts = [np.linspace(start, end, 200, endpoint=False) for start, end in pairwise(turns)]
+    return np.append(np.concatenate(parts), turns[-1])
+
+
+def test_plays_lag_by_the_half_width_at_large_strokes():
+    current = stroke(12e-3, 19e-3, 5e-3, 19e-3)
+    lag = current - effective_current(current, **PLAYS)
+    assert lag[200] == pytest.approx(4e-4, rel=1e-9)
+    assert lag[400] == pytest.approx(-4e-4, rel=1e-9)
+    assert lag[-1] == pytest.approx(4e-4, rel=1e-9)
+    # After a reversal the flux stands but for its part without a play.
+    follows = (lag[400] - lag[401]) / (current[400] - current[401])
+    assert follows == pytest.approx(1.0 / 1.2, rel=1e-9)
+
+
+def test_minor_loops_of_plays_close_and_are_forgotten():
+    plain = effective_current(stroke(12e-3, 14e-3, 16e-3), **PLAYS)
+    looped = stroke(12e-3, 14e-3, 13.6e-3, 14e-3, 16e-3)
+    found = effective_current(looped, **PLAYS)
+    assert found[600] == pytest.approx(plain[200], abs=1e-15)
+    assert found[-1] == pytest.approx(plain[-1], abs=1e-15)
+    drifted = effective_current(looped, **{**PLAYS, "return_point_memory": 0.0})
+    assert abs(drifted[600] - drifted[200]) > 1e-5
+
+
+def test_mirrored_currents_give_mirrored_fluxes():
+    turns = np.array([12e-3, 15e-3, 11e-3, 13e-3, 9e-3, 16e-3])
+    up, down = stroke(*turns), stroke(*(24e-3 - turns))
+    assert np.abs(effective_current(up, **PLAYS) + effective_current(down, **PLAYS) - 24e-3).max() < 1e-15
+
+
+def test_a_few_plays_are_as_good_as_thirty():
+    """The independent plant: 30 plays at equal distances up to three half-widths, weights falling exponentially."""
+    _, current = draw_profile(1, duration=60.0, rate=50.0, kind="small")
+    half_width = 4e-4
+    radii = half_width * np.linspace(0.1, 3.0, 30)
+    weights = np.exp(-radii / half_width)
+    weights /= weights.sum()
+    expected = _plays(current, radii * half_width / float(weights @ radii), weights)
+    loop = np.std(current - expected)
+    found, dahl = (
+        np.std(
+            effective_current(
+                current, hysteresis_half_width=half_width, hysteresis_roundness=0.0, return_point_memory=memory
+            )
+            - expected
+        )
+        / loop
+        for memory in (1.0, 0.0)
+    )
+    assert found < 0.03
+    assert dahl > 0.1
+
+
+def pressure_after_steps(*currents: float, **values: float) -> tuple[np.ndarray, np.ndarray, list[float]]:
+    """Pressures over 2 s at each of some currents, and where they rest, as shares of the supply. [s], [1], [1]"""
+    time = 0.02 * np.arange(100 * len(currents) + 1)
+    held = np.append(np.repeat(currents, 100), currents[-1])
+    model = BASE.with_effect("asymmetric_filling", **values)
+    supply = BASE.values["supply_pressure"]
+    resting = [simulate(BASE, time=np.array([0.0, 1.0]), current=np.full(2, each)).pressure[0] for each in currents]
+    return time, simulate(model, time=time, current=held).pressure / supply, [each / supply for each in resting]
+
+
+def test_orifices_fill_and_vent_as_their_equation_has_it():
+    """The time of eq. (15) between two pressures is an integral: ds / (sqrt(1 - s) - sqrt(1/q - 1) sqrt(s))."""
+    from scipy.integrate import quad
+
+    time, shares, resting = pressure_after_steps(6e-3, 18e-3, 7e-3, **ORIFICES)
+    for sample, aim, time_constant in ((100, resting[1], 0.05), (200, resting[2], 0.3)):
+        begin, end = shares[sample], shares[sample + 6]
+        taken, _ = quad(lambda s: 1.0 / (np.sqrt(1.0 - s) - np.sqrt((1.0 / aim - 1.0) * s)), begin, end, epsabs=1e-12)  # noqa: B023
+        assert time_constant * taken == pytest.approx(time[sample + 6] - time[sample], abs=2e-6)
+
+
+def test_a_rate_limit_bounds_orifices_too():
+    limited = {**ORIFICES, "filling_slowness": 2e-5}
+    time, shares, _ = pressure_after_steps(18e-3, 6e-3, 18e-3, **limited)
+    speeds = np.diff(shares) / np.diff(time) * BASE.values["supply_pressure"]
+    assert speeds.min() == pytest.approx(-1.0 / 2e-5, rel=1e-6)
+    assert speeds.max() > 1.0 / 2e-5
+
+
+def test_orifices_are_those_of_the_blind_plant():
+    time, current = ramps_and_steps(seconds=8.0, seed=1)
+    truth = Truth(
+        "asymmetric_filling", "nozzle", "orifice_vent", {"slow_direction": -1.0, "quick_share": 1 / 6, "slow_time": 0.3}
+    )
+    plain = integrate(dict(BASE.values), time, current, step=1e-5)["position"]
+    expected = integrate(dict(BASE.values), time, current, step=1e-5, effects=(truth,))["position"]
+    shares = {}
+    for share in (0.0, 1.0):
+        found = run(BASE.with_effect("asymmetric_filling", **{**ORIFICES, "orifice_share": share}), time, current)
+        shares[share] = np.std(found - expected) / np.std(plain - expected)
+    assert shares[1.0] < 0.003
+    assert shares[0.0] > 0.1
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_orifices_linearised_are_their_own_slope(share):
+    numbers = with_law("asymmetric_filling").rows()[0]
+    supply = numbers["supply_pressure"]
+    slope = amplifier.quickness(numbers, share * supply * (1.0 + 1e-9), share * supply)
+    assert quickness_at_rest({**BASE.values, **ORIFICES}, share * supply) == pytest.approx(slope, rel=1e-8)

@@ -1,0 +1,104 @@
+"""Amplifier with unequal ports or orifices: the laws of `asymmetric_filling` over the nodes of a part."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled, inlined
+from valvemodel.stages.chamber import KEPT, SWEEPS
+from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.nodes import first_fall
+
+ROUNDING = 1e-12
+"""Share of the supply below which two pressures are equal."""
+
+LEAST_ROOT = 1e-3
+"""Where no pressure is left to vent, or the supply is reached, orifices would act at once; about a thousandth of P1."""
+
+
+@inlined
+def quickness(p, pressure, aim):
+    """Return the rate at which the pressure follows its aim over that of first order: a secant of the square roots."""
+    if p.orifice_share == 0.0:
+        return 1.0
+    share = min(max(pressure / p.supply_pressure, 0.0), 1.0)
+    resting = min(max(aim / p.supply_pressure, 0.0), 1.0)
+    root = resting * math.sqrt(1.0 - share) + math.sqrt(resting * share * (1.0 - resting))
+    return 1.0 + p.orifice_share * (1.0 / max(root, LEAST_ROOT) - 1.0)
+
+
+@compiled
+def lay_amplifier(p, state, memory, spacing, count, slack):
+    """Follow the pressures at the nodes at the capacity of the direction; return where that ends, in spacings.
+
+    Three ways of following: at the limited rate, at its own, or at once where there is no time constant.
+    """
+    pressures, aims, start = memory.pressures, memory.values, state.filled_pressure
+    rounding = ROUNDING * p.supply_pressure
+    for node in range(count + 1):
+        aims[node] = pressures[node]
+    ahead = aims[0] - start
+    if abs(ahead) <= rounding:
+        ahead = aims[1] - start
+    side = 1.0 if ahead > 0.0 else -1.0
+    time_constant = p.fill_time if side > 0.0 else p.vent_time
+    slowness = abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
+    lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
+    speed = side * (aims[1] - aims[0]) / spacing
+    is_limited = slowness > 0.0 and (
+        lead * slowness > time_constant + rounding * slowness or (time_constant == 0.0 and speed * slowness > 1.0)
+    )
+    if is_limited:
+        for node in range(count + 1):
+            pressures[node] = start + side * node * spacing / slowness
+            lead = side * (aims[node] - pressures[node]) * quickness(p, pressures[node], aims[node])
+            memory.forces[node] = lead - time_constant / slowness + rounding
+        return first_fall(count, memory.forces, memory.powers)
+    if time_constant == 0.0:
+        for node in range(1, count + 1):
+            climb = side * (aims[node] - aims[node - 1])
+            if climb < -rounding or climb * slowness > spacing * (1.0 + ROUNDING):
+                return node - 0.5
+        return math.inf
+    if p.orifice_share == 0.0:
+        remember_lag(memory.lags[2], 1.0 / time_constant, spacing, count)
+        for node in range(count + 1):
+            memory.forces[node] = aims[node] / time_constant
+        follow_nodes(memory.lags[2], start, memory.forces, memory.powers, pressures)
+    elif not follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
+        return 0.5 * count
+    for node in range(count + 1):
+        memory.forces[node] = side * (aims[node] - pressures[node]) + rounding
+    end = first_fall(count, memory.forces, memory.powers)
+    if slowness > 0.0:
+        for node in range(count + 1):
+            lead = side * (aims[node] - pressures[node]) * quickness(p, pressures[node], aims[node])
+            memory.forces[node] = time_constant / slowness - lead + 2.0 * rounding
+        end = min(end, first_fall(count, memory.forces, memory.powers))
+    return end
+
+
+@compiled
+def follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
+    """Write the pressures at the nodes as orifices let them follow; return whether the passes came to a stand."""
+    aims, pressures, lag, start = memory.values, memory.pressures, memory.lags[2], state.filled_pressure
+    rate = quickness(p, start, aims[0]) / time_constant
+    if not abs(rate - state.filled_rate) * spacing * count <= KEPT:
+        state.filled_rate = rate
+    remember_lag(lag, state.filled_rate, spacing, count)
+    for node in range(count + 1):
+        pressures[node] = aims[node] + (start - aims[node]) * lag.decay[node]
+    before = math.inf
+    for _ in range(SWEEPS):
+        for node in range(count + 1):
+            aim, pressure = aims[node], pressures[node]
+            own_rate = quickness(p, pressure, aim) / time_constant
+            memory.forces[node] = own_rate * (aim - pressure) + lag.rate * pressure
+        end, middle = pressures[count], pressures[1]
+        follow_nodes(lag, start, memory.forces, memory.powers, pressures)
+        moved = abs(pressures[count] - end) + abs(pressures[1] - middle)
+        # Each pass gains by as much as the last one did.
+        if (moved * min(moved / before, 1.0) if before < math.inf else moved) <= slack:
+            return True
+        before = moved
+    return False

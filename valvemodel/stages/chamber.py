@@ -1,0 +1,74 @@
+"""Chamber that fills through orifice and nozzle: the law of `chamber_filling` over the nodes of a part."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled, inlined
+from valvemodel.equations import numeric
+from valvemodel.stages.lag import follow_nodes, remember_lag
+
+chamber_inflow = inlined(numeric.chamber_inflow)
+
+SWEEPS = 12
+"""Most passes until the nodes stand still."""
+
+KEPT = 0.02
+"""A rate that is off by this, times the part's length, still serves: the passes mend it."""
+
+NEAR = 1e-6
+"""Departure from rest, over the supply, below which the rate there is taken."""
+
+
+@compiled
+def lay_chamber(p, state, memory, spacing, count, slack):
+    """Let the chamber fill towards its resting pressures at the nodes, by eq. (15), to within a slack. [Pa]"""
+    aims, values, lag, start = memory.pressures, memory.values, memory.lags[1], state.chamber_pressure
+    rate = filling_rate(p, start, aims[0], memory.gaps[0])
+    if not abs(rate - state.chamber_rate) * spacing * count <= KEPT:
+        state.chamber_rate = rate
+    remember_lag(lag, state.chamber_rate, spacing, count)
+    for node in range(count + 1):
+        # The flow at rest is 0 but where the resting pressure is not that of eq. (16).
+        memory.shares[node] = chamber_flow(p, aims[node], memory.gaps[node])
+        values[node] = aims[node] + (start - aims[node]) * lag.decay[node]
+    moved = math.inf
+    for _ in range(SWEEPS):
+        for node in range(count + 1):
+            pressure = values[node]
+            speed = filling_speed(p, pressure, memory.gaps[node], memory.shares[node])
+            memory.forces[node] = speed + lag.rate * pressure
+        end, middle = values[count], values[1]
+        follow_nodes(lag, start, memory.forces, memory.powers, values)
+        before = moved
+        moved = abs(values[count] - end) + abs(values[1] - middle)
+        # Each pass gains by as much as the last one did.
+        if (moved * min(moved / before, 1.0) if before < math.inf else moved) <= slack:
+            break
+    for node in range(count + 1):
+        aims[node] = values[node]
+
+
+@inlined
+def chamber_flow(p, pressure, gap):
+    """Return the flow into the chamber over that of the open orifice, eq. (15)."""
+    supply = p.supply_pressure
+    return chamber_inflow(min(max(pressure, 0.0), supply), gap, supply, p.flow_ratio)
+
+
+@inlined
+def filling_speed(p, pressure, gap, flow_at_rest):
+    """Return how fast the pressure changes; 0 at rest. [Pa/s]"""
+    supply = p.supply_pressure
+    filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * min(max(pressure / supply, 0.0), 1.0))
+    return (chamber_flow(p, pressure, gap) - flow_at_rest) * supply / filling_time
+
+
+@compiled
+def filling_rate(p, pressure, resting, gap):
+    """Return the rate at which a departure from rest dies out, its secant in eq. (15). [1/s]"""
+    supply = p.supply_pressure
+    aim, bounded = min(max(resting, 0.0), supply), min(max(pressure, 0.0), supply)
+    if abs(bounded - aim) <= NEAR * supply:
+        bounded = aim + NEAR * supply if aim < 0.5 * supply else aim - NEAR * supply
+    return max(-filling_speed(p, bounded, gap, chamber_flow(p, aim, gap)) / (bounded - aim), 0.0)

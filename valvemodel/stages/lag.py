@@ -1,0 +1,58 @@
+"""A first-order lag behind a polynomial in time, exact: q' = -rate q + f(t)."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.stages.nodes import CHOOSE, fit_powers
+
+LONG = 8.0
+"""Rate times spacing from which the responses are taken upwards; below, the power series is summed."""
+
+
+@compiled
+def remember_lag(lag, rate, spacing, count):
+    """Write down the decay and the responses to powers at all nodes, computed anew only where something changed."""
+    if lag.rate == rate and lag.spacing == spacing and lag.count == count:
+        return
+    lag.rate, lag.spacing, lag.count = rate, spacing, count
+    short = rate * spacing
+    decay, response = lag.decay, lag.response
+    # At the first node: the response after one spacing to the powers 0, 1 ...
+    if short < LONG:
+        term, total = spacing / (count + 1.0), 0.0
+        following = count + 2.0
+        while abs(term) > 1e-18 * spacing:
+            total += term
+            term *= -short / following
+            following += 1.0
+        response[1, count] = total
+        for power in range(count, 0, -1):
+            response[1, power - 1] = (spacing - short * response[1, power]) / power
+    else:
+        response[1, 0] = spacing * (1.0 - math.exp(-short)) / short
+        for power in range(1, count + 1):
+            response[1, power] = (spacing - power * response[1, power - 1]) / short
+    decay[0], decay[1] = 1.0, math.exp(-short)
+    for node in range(1, count):
+        decay[node + 1] = decay[node] * decay[1]
+        for power in range(count + 1):
+            total, scale = decay[1] * response[node, power], 1.0
+            for lower in range(power, -1, -1):
+                total += CHOOSE[power, lower] * scale * response[1, lower]
+                scale *= node
+            response[node + 1, power] = total
+
+
+@compiled
+def follow_nodes(lag, start, forces, powers, values):
+    """Write the values at all nodes of a lag that starts at a value, under forces given at the nodes."""
+    count = int(lag.count)
+    fit_powers(count, forces, powers)
+    values[0] = start
+    for node in range(1, count + 1):
+        total = lag.decay[node] * start
+        for power in range(count + 1):
+            total += lag.response[node, power] * powers[power]
+        values[node] = total

@@ -1,0 +1,121 @@
+"""Coarse motion of a stem on bristles: linearised steps, the force that one leaves over bounded."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.stages.part import pressure_at
+from valvemodel.stages.presliding import bristle_stiffness
+from valvemodel.stages.rest import come_to_rest, meet_limit
+from valvemodel.stages.slip import first_stop, time_of_way, transition
+from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, tangent_stiffness, thrust
+
+LEFT_OVER = 2e5
+"""Force that one step may leave over, for a metre of the tolerance. [N/m]"""
+
+NEGLIGIBLE_SWING = 1e-2
+"""A stuck stem whose next elastic swing is a smaller share of the tolerance goes to its balance."""
+
+SETTLED = 3.0
+"""Time constants of a creep to its balance after which it is taken to be there."""
+
+GROWTH, SHRINKAGE, CAUTION = 6.0, 0.1, 0.8
+"""A step grows and shrinks by no more than these factors, and aims at this share of what is allowed."""
+
+SHORTEST_STEP = 1e-8
+"""A step is not made shorter than this: it is far below any time constant of a valve. [s]"""
+
+
+@compiled
+def advance_linearised(p, state, memory, time, duration, tolerance):
+    """Move a stem on bristles until its next reversal or the end of a duration; return the time used. [s]
+
+    Pressure and load are held at their values in the middle. Along a way in one direction the friction is a function
+    of the position alone (Dahl); its stiffness at the start is added to the spring's.
+    """
+    duration = min(duration, state.plan_longest)
+    middle, mass, position, bristle = time + 0.5 * duration, p.stem_mass, state.position, state.bristle
+    pressure = pressure_at(memory, middle)
+    net = thrust(p, position, pressure, middle) - bristle
+    if state.mode == STUCK:
+        side = RISING if net > 0.0 else FALLING
+        if net == 0.0 or room_to(state, side) <= 0.0:
+            return duration
+        state.mode, state.velocity, state.trial_step = side, 0.0, math.inf
+    side, allowed = state.mode, LEFT_OVER * tolerance
+    speed, room = side * state.velocity, room_to(state, side)
+    limit = limiting_friction(p, side, position, pressure, middle, speed)
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
+    stiffness = tangent_stiffness(p, side, position, pressure, middle) + bristle_stiffness(p, side * bristle, limit)
+    start = (side * net - viscous * speed) / mass
+    if (
+        speed == 0.0
+        and SETTLED * viscous <= stiffness * duration
+        and side * net <= stiffness * NEGLIGIBLE_SWING * tolerance
+    ):
+        shift(p, state, min(side * net / stiffness, room), limit)
+        come_to_rest(state)
+        return duration
+    stop, trial = first_stop(mass, viscous, stiffness, speed, start), state.trial_step
+    step = min(trial, duration)
+    while True:
+        has_stopped = stop <= step
+        step = min(step, stop)
+        vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
+        next_speed = 0.0 if has_stopped else vv * speed + va * start
+        next_acceleration, way = av * speed + aa * start, yv * speed + ya * start
+        end = position + side * way
+        limit = limiting_friction(p, side, end, pressure, middle, next_speed)
+        left_over = side * (thrust(p, end, pressure, middle) - bristle_after(p, side, way, limit, bristle))
+        left_over -= viscous * next_speed + mass * next_acceleration
+        factor = step_factor(left_over, allowed)
+        if factor >= CAUTION or step <= SHORTEST_STEP:
+            break
+        step *= max(factor, SHRINKAGE)
+    state.trial_step = max(trial if step < trial and factor >= 1.0 else step * min(factor, GROWTH), SHORTEST_STEP)
+    way = max(way + ya * left_over / (6.0 * mass), 0.0)
+    has_hit = not way <= room
+    if has_hit:
+        step = time_of_way(mass, viscous, stiffness, speed, start, max(room, 0.0), step)
+        way = room
+    elif not has_stopped:
+        next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
+        has_stopped = next_speed == 0.0
+    shift(p, state, way, limit)
+    state.velocity = side * next_speed
+    state.trace_damping, state.trace_stiffness = viscous / mass, stiffness / mass
+    state.trace_velocity, state.trace_acceleration = side * speed, side * start
+    state.trace_next_velocity, state.trace_next_acceleration = side * next_speed, side * next_acceleration
+    if has_hit:
+        meet_limit(p, state, speed)
+    elif has_stopped:
+        come_to_rest(state)
+    return step
+
+
+@compiled
+def room_to(state, side):
+    """Return how far the travel goes on to a side. [m]"""
+    return state.plan_highest - state.position if side > 0.0 else state.position - state.plan_lowest
+
+
+@compiled
+def bristle_after(p, side, way, limit, bristle):
+    """Return the force of the bristles after a way to one side, exact along it (Dahl). [N]"""
+    return side * limit + (bristle - side * limit) * math.exp(-way / (limit * p.presliding_compliance))
+
+
+@compiled
+def shift(p, state, way, limit):
+    """Take stem and bristles along a way to the side of the motion."""
+    state.position += state.mode * way
+    state.bristle = bristle_after(p, state.mode, way, limit, state.bristle)
+
+
+@compiled
+def step_factor(left_over, allowed):
+    """Return by what factor a step should change, whose left-over force grows with its square."""
+    if not abs(left_over) < math.inf:
+        return 0.0
+    return CAUTION * math.sqrt(allowed / (abs(left_over) + 1e-9 * allowed))

@@ -1,0 +1,85 @@
+"""A slip under a force that is a polynomial in time, exact: a' = -c a - k v + f'(t), all over the mass."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.stages.nodes import CHOOSE
+from valvemodel.stages.slip import transition
+
+LONG = 4.0
+"""Fastest rate times spacing up to which the power series is summed; a longer spacing is halved first."""
+
+
+@compiled
+def remember_response(response, damping, stiffness, spacing, count):
+    """Write down the way from powers of time at all nodes, computed anew only where something changed.
+
+    way[i, l] is the way up to node i under an acceleration (t / spacing)^l; impulse[i] that from a unit speed without
+    a force, rate[i] its slope. All else follows from them.
+    """
+    is_same = response.damping == damping and response.stiffness == stiffness
+    if is_same and response.spacing == spacing and response.count == count:
+        return
+    response.damping, response.stiffness, response.spacing, response.count = damping, stiffness, spacing, count
+    way, impulse, rate = response.way, response.impulse, response.rate
+    respond(response, damping, stiffness, spacing, count)
+    free, from_speed = 1.0 - stiffness * way[1, 0], impulse[1]
+    for node in range(1, count):
+        impulse[node + 1] = free * impulse[node] + from_speed * rate[node]
+        rate[node + 1] = rate[1] * rate[node] - stiffness * from_speed * impulse[node]
+        for power in range(count + 1):
+            speed = power / spacing * way[node, power - 1] if power > 0 else impulse[node]
+            total, scale = free * way[node, power] + from_speed * speed, 1.0
+            for lower in range(power, -1, -1):
+                total += CHOOSE[power, lower] * scale * way[1, lower]
+                scale *= node
+            way[node + 1, power] = total
+
+
+@compiled
+def respond(response, damping, stiffness, spacing, count):
+    """Write the responses at the first node: by power series over a short enough time, then doubled."""
+    way = response.way
+    halvings = 0
+    short = spacing
+    fastest = max(abs(damping), math.sqrt(abs(stiffness)))
+    while fastest * short > LONG:
+        short *= 0.5
+        halvings += 1
+    _, impulse, _, rate, _, _ = transition(1.0, damping, stiffness, short)
+    by_damping, by_stiffness = damping * short, stiffness * short * short
+    # Terms of the response to the highest two powers; the lower ones follow downwards.
+    before, term = 0.0, 1.0
+    highest, next_highest = 0.0, 0.0
+    share, next_share = short * short / ((count + 1.0) * (count + 2.0)), short * short / (count * (count + 1.0))
+    following = count + 3.0
+    is_summed = False
+    while not is_summed:
+        highest += term * share
+        next_highest += term * next_share
+        before, term = term, -by_damping * term - by_stiffness * before
+        share /= following
+        next_share /= following - 1.0
+        following += 1.0
+        is_summed = not (abs(term) + abs(before)) * next_share > 1e-18 * short * short
+    way[1, count], way[1, count - 1] = highest, next_highest
+    for power in range(count, 1, -1):
+        way[1, power - 2] = (short * short - by_damping * power * way[1, power - 1] - by_stiffness * way[1, power]) / (
+            power * (power - 1.0)
+        )
+    for _ in range(halvings):
+        free, scale = 1.0 - stiffness * way[1, 0], 1.0
+        for power in range(count + 1):
+            scale = 0.5**power
+            speed = power / short * way[1, power - 1] if power > 0 else impulse
+            total = free * way[1, power] + impulse * speed
+            for lower in range(power + 1):
+                total += CHOOSE[power, lower] * way[1, lower]
+            response.doubled[power] = scale * total
+        impulse, rate = impulse * (free + rate), rate * rate - stiffness * impulse * impulse
+        for power in range(count + 1):
+            way[1, power] = response.doubled[power]
+        short *= 2.0
+    response.impulse[1], response.rate[1] = impulse, rate
