@@ -17,6 +17,7 @@ from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
+from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
@@ -243,6 +244,10 @@ def diagnose(
     library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
+    experiments, slowness = with_sampling_error(experiments, base)
+    if slowness:
+        holdout = hold_out(experiments)
+        base = fit_base(model, holdout.experiments, holdout.fitted)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
         tried = select(first, holdout, library, pool, progress)
@@ -287,7 +292,7 @@ def diagnose(
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
         residual_curves=residual_curves(experiments, whole_base) if verdict == "unknown" else [],
         steps=steps_of(as_given, tried, shown, floor, yardstick),
-        warnings=(*(each for record in records for each in record.warnings), *notes, *control.notes),
+        warnings=(*(each for record in records for each in record.warnings), *notes, *slowness, *control.notes),
         seconds=time.perf_counter() - began,
     )
 

@@ -41,12 +41,11 @@ class RegimeMap:
 
     def as_json(self) -> dict[str, Any]:
         """Return the map as diagnosis.json has it, None where there are no samples."""
-        known = np.where(np.isfinite(self.rms), self.rms, None)
         return {
             "rows": list(ROWS),
             "columns": list(COLUMNS),
             "unit": "m",
-            "rms": known.tolist(),
+            "rms": [[each if np.isfinite(each) else None for each in row] for row in self.rms.tolist()],
             "share": self.share.tolist(),
             "time_share": self.time_share.tolist(),
         }

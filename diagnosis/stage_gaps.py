@@ -41,7 +41,7 @@ class StageGaps:
     front : arrays, each of shape (n,) [m]
         What that does to the position: driven by the measured pressure less driven by the simulated one.
     back : arrays, each of shape (n,) [m]
-        Measured position less simulated, the measured pressure in. Front and back are the whole error, sample by sample.
+        Measured position less simulated, the measured pressure in. Front and back add up to the whole error.
     pressure_noise, position_noise : float [Pa], [m]
     """
 
@@ -114,7 +114,7 @@ def stage_gaps(experiments: Sequence[Experiment], base: Fit) -> StageGaps:
 def front_of(experiments: Sequence[Experiment], base: Fit) -> Fit:
     """Fit electromagnet and nozzle to the measured pressure alone."""
     weightless = [replace(experiment, noise=np.inf) for experiment in experiments]
-    used = [np.isfinite(experiment.pressure) for experiment in experiments]
+    used = [np.isfinite(np.asarray(experiment.pressure)) for experiment in experiments]
     return refitted(base, base.model, weightless, used, is_front=True)
 
 

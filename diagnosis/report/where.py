@@ -111,8 +111,8 @@ def _corrected_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
     if not stages:
         return ()
     asked = (
-        "Without a measured pressure each stage is asked in turn which smallest and smoothest change of its output would"
-        f" explain {where['stages_sum']['record']}."
+        "Without a measured pressure each stage is asked in turn which smallest and smoothest change of its output"
+        f" would explain {where['stages_sum']['record']}."
     )
     known = [stage for stage in stages if is_number(stage["closed"])]
     if not known or all(stage["gap"] == 0.0 for stage in stages):
@@ -127,9 +127,9 @@ def _corrected_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         asked,
         *(_needed(known, signal) for signal in ("pressure", "reading")),
-        "This alone names no stage: a gap, a pressure and a force on the stem are one correction in three units, and friction"
-        " lets a regular correction before it look like a small, less regular one of the reading. A measured pressure would"
-        " tell the halves of the chain apart.",
+        "This alone names no stage: a gap, a pressure and a force on the stem are one correction in three units, and"
+        " friction lets a regular correction before it look like a small, less regular one of the reading. A measured"
+        " pressure would tell the halves of the chain apart.",
     )
 
 
@@ -138,8 +138,8 @@ def _needed(stages: Sequence[Mapping[str, Any]], signal: str) -> str:
     stage = next(stage for stage in stages if stage["signal"] == signal)
     place = "Of the reading" if signal == "reading" else "Before the stem's friction"
     return (
-        f"{place} it takes {amount(stage['gap_as_position'], 'm')}, in {stage['freedom']:.0f} independent numbers, to close"
-        f" {percent(stage['closed'])} of the squared gap."
+        f"{place} it takes {amount(stage['gap_as_position'], 'm')}, in {stage['freedom']:.0f} independent numbers,"
+        f" to close {percent(stage['closed'])} of the squared gap."
     )
 
 

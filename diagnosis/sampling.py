@@ -1,0 +1,71 @@
+"""Slow sampling: what the current did between two rows is not in a record, and adds to the noise of its readings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from identification.experiment import Experiment
+from identification.fit import Fit, simulate_model
+
+SLOW = 0.2
+"""Sampling interval from which a current is not taken to be held between rows. [s]"""
+
+MOVING = 0.5
+"""Share of the rows with another current than before from which it moves all the time, as in a closed loop."""
+
+WORTH_SAYING = 0.3
+"""Error over the noise from which it counts."""
+
+PARTS = 8
+"""Parts into which a period is divided where the current ramps."""
+
+
+def with_sampling_error(experiments: Sequence[Experiment], base: Fit) -> tuple[list[Experiment], list[str]]:
+    """Return experiments whose noise has in it what the current may have done between the rows, and say where.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+    base : Fit
+        Of the base to them or some of them.
+    """
+    found, notes = [], []
+    for experiment in experiments:
+        error = sampling_error(experiment, base)
+        if error <= WORTH_SAYING * experiment.noise:
+            found.append(experiment)
+            continue
+        found.append(replace(experiment, noise=float(np.hypot(experiment.noise, error))))
+        notes.append(
+            f"{experiment.name}: what the current does between two rows shifts the stem by {1e3 * error:.2g} mm and is"
+            " not recorded; that counts as noise, and small effects hide in it: log ten times faster"
+        )
+    return found, notes
+
+
+def sampling_error(experiment: Experiment, base: Fit) -> float:
+    """Return by how much a reading differs where the current ramps from row to row instead of being held. [m]"""
+    steps = np.diff(experiment.current)
+    if experiment.is_loop or np.median(np.diff(experiment.time)) < SLOW or np.mean(steps != 0.0) < MOVING:
+        return 0.0
+    held = base.simulated_on(experiment).position[0]
+    ramped = simulate_model(base.model, with_ramps(experiment), start_position=held[0]).position[0]
+    return float(np.sqrt(np.mean((ramped[::PARTS] - held) ** 2)))
+
+
+def with_ramps(experiment: Experiment) -> Experiment:
+    """Return an experiment whose current ramps from row to row, in small steps about the ramp."""
+    rows = np.arange(len(experiment.time))
+    fine = np.arange(PARTS * (len(rows) - 1) + 1) / PARTS
+    middles = np.minimum(fine + 0.5 / PARTS, rows[-1])
+    return replace(
+        experiment,
+        time=np.interp(fine, rows, experiment.time),
+        current=np.interp(middles, rows, experiment.current),
+        position=np.full(len(fine), np.nan),
+        pressure=None,
+        block=np.zeros(len(fine), int),
+    )

@@ -1,0 +1,74 @@
+"""A record from a valve in service runs through: percent of span at 1 Hz, closed loop, little travel."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from diagnosis.sampling import with_sampling_error
+from identification.experiment import experiment_of
+from identification.fit import fit_base
+from valvemodel.commands import command_line
+from valvemodel.control.controller import Controller
+from valvemodel.records import Record
+
+RATED_TRAVEL = 0.25
+SPRING_RATE, AREA, COULOMB = 60e3, 0.0645, 1100.0
+NOISE, COARSE_NOISE = 0.1e-3, 0.25e-3
+
+
+def played(position: float, current: float) -> float:
+    """Rest a stem without mass on spring and dry friction: the play operator, which shares no code with the toolkit."""
+    force = AREA * (38e3 + 11.2e6 * (current - 4e-3))
+    return min(max(position, (force - COULOMB) / SPRING_RATE), (force + COULOMB) / SPRING_RATE)
+
+
+def logged(*, period: float, noise: float, seconds: int = 400) -> np.ndarray:
+    """Return time, current and reading, once a second, of a loop whose set point moves by some 2 % every 50 s."""
+    generator = np.random.default_rng(4)
+    gains = {"proportional_gain": 0.02, "integral_gain": 0.003, "start_current": 11e-3, "period": period}
+    controller = Controller("PI", gains).started()
+    position, rows, every = 0.125, [], round(1.0 / period)
+    for tick in range(seconds * every):
+        if tick % (50 * every) == 0:
+            setpoint = RATED_TRAVEL * (0.5 + 0.02 * generator.standard_normal())
+        reading = position + noise * generator.standard_normal()
+        current = controller(setpoint, reading)
+        if tick % every == 0:
+            rows.append((tick * period, current, reading))
+        position = played(position, current)
+    return np.array(rows)
+
+
+def test_diagnosis_of_a_record_in_service(tmp_path: Path) -> None:
+    time, current, reading = logged(period=0.1, noise=COARSE_NOISE).T
+    table = np.column_stack([time, 100.0 * (current - 4e-3) / 16e-3, 100.0 * reading / RATED_TRAVEL])
+    path, out = tmp_path / "service.csv", tmp_path / "out"
+    header = "time [s],current [%],position [%]"
+    np.savetxt(path, table, fmt="%.3f", delimiter=",", header=header, comments="")
+    result = CliRunner().invoke(command_line, ["diagnose", str(path), "--out", str(out), "--jobs", "2"])
+    assert result.exit_code == 0, result.output
+    content = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    assert content["verdict"] != "effect", content["causes"][0]
+    assert content["gap"]["refitted"] < content["gap"]["as_given"]
+
+
+@pytest.mark.parametrize(("period", "least", "most"), [(0.1, 0.5, 1.3), (1.0, 0.0, 1.3)])
+def test_noise_has_in_it_what_happened_between_the_rows(given, period: float, least: float, most: float) -> None:
+    time, current, reading = logged(period=period, noise=NOISE).T
+    experiment = experiment_of(Record.from_arrays(name="service", time=time, current=current, position=reading))
+    base = fit_base(given, [experiment])
+    (blurred,), notes = with_sampling_error([experiment], base)
+    missed = experiment.position - base.simulated_on(experiment).position[0]
+    assert notes
+    assert least * blurred.noise < np.sqrt(np.mean(missed**2)) < most * blurred.noise
+
+
+def test_fast_rows_have_no_sampling_error(given, quiet) -> None:
+    (same,), notes = with_sampling_error([quiet], fit_base(given, [quiet]))
+    assert same is quiet
+    assert not notes
