@@ -15,13 +15,13 @@ from valvemodel.effects import effect_of_key
 SHARPNESS = 6.0
 """Power of the error by which a cause loses to one with less: models are never right to the last sample."""
 
-NOTICE = 0.3
+NOTICE = 0.5
 """Squared error beyond the noise below which a difference tells nothing: effects below notice leave as much."""
 
-FORM = 0.005
+FORM = 0.004
 """Share of the base's squared error by which a right effect in another form than ours may miss it."""
 
-SUPPORT_NONE = 1.0
+SUPPORT_NONE = 3.0
 """Log prior of no effect over one of the effects."""
 
 COST_MORE = 3.0
@@ -30,7 +30,7 @@ COST_MORE = 3.0
 COST_PARAMETER = 0.5
 """Log prior that a free parameter costs."""
 
-UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 2.0, 0.05, -1.0
+UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 0.7, 0.033, -1.5
 """What an effect outside the library would leave, as a squared error beyond the noise and as a share of the base's:
 a cause that leaves less is believed before an unknown one; and the log prior of that."""
 
@@ -40,8 +40,8 @@ COST_STOPS = 10.0
 FORM_STOPS, UNKNOWN_FORM_STOPS = 0.1, 0.6
 """The same as FORM and UNKNOWN_FORM in such a record: the phase of slips is lost soon though the cause is right."""
 
-SAMPLES_EACH = 0.05
-"""Sharpness that an independent sample is worth, up to the whole of it."""
+BLOCK_WORTH = 0.5
+"""Sharpness that a scored block in time is worth, up to the whole of it."""
 
 WITHIN_ERROR = 3.0
 """Log-likelihood within which two causes cannot be told apart."""
@@ -79,7 +79,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     blind plants (`valvemodel blindtest`) so that probabilities said are frequencies found.
     """
     base = candidates[0].score
-    sharpness = sharpness_of(candidates)
+    sharpness = sharpness_of(base)
     has_stops = stops_seen(candidates[0].fit)
     form, unknown_form = (FORM_STOPS, UNKNOWN_FORM_STOPS) if has_stops else (FORM, UNKNOWN_FORM)
     evidence = -sharpness * np.array([error_kept(each.score, base, form) for each in candidates])
@@ -95,10 +95,9 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     return Judgement(weights[:-1], float(weights[-1]), evidence)
 
 
-def sharpness_of(candidates: Sequence[Candidate]) -> float:
-    """Return the power of the error, less than the full one where few samples are independent."""
-    best: Errors = min((each.score.free for each in candidates), key=lambda each: each.mean)
-    return min(SHARPNESS, SAMPLES_EACH * float(best.counts.sum()) * best.signals / best.persistence)
+def sharpness_of(base: Score) -> float:
+    """Return the power of the error, less than the full one where few blocks are scored."""
+    return min(SHARPNESS, BLOCK_WORTH * len(base.free.weighted))
 
 
 def error_kept(mine: Score, base: Score, form: float) -> float:

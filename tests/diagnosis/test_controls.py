@@ -33,7 +33,7 @@ def test_sham_wins_where_it_is_in_the_data(quiet, refitted):
     best = min(shams_on(base, holdout, count=1), key=lambda sham: sham.score.misfit)
     assert best.score.free.rms < 0.5 * base.score.free.rms
     control = control_of([base], holdout, "free")
-    assert control.probability > 0.9
+    assert control.probability > 0.5
     assert "too little" in control.notes[0]
 
 

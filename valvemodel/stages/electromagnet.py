@@ -57,7 +57,7 @@ EFFECTS = (
                 is_fitted=False,
             ),
         ),
-        aliases=("linkage_backlash", "pressure_dependent_friction"),
+        aliases=("linkage_backlash", "pressure_dependent_friction", "linkage_nonlinearity"),
         told_apart_by=(
             "a measured pressure shows it upstream of the stem; friction makes the loop wider where the branch is flat"
         ),

@@ -98,7 +98,7 @@ EFFECTS = (
                 (0.15, -0.15),
             ),
         ),
-        aliases=("none", "load_force"),
+        aliases=("none", "load_force", "air_leak"),
         told_apart_by="the spring's preload known, or position at no pressure",
     ),
     Effect(
@@ -160,7 +160,7 @@ EFFECTS = (
                 "friction_pressure_order", "1", "n: power of the pressure", 1.0, 2.0, 1.0, (1.0, 2.0), is_fitted=False
             ),
         ),
-        aliases=("spring_hardening", "magnetic_hysteresis", "linkage_nonlinearity"),
+        aliases=("spring_hardening", "magnetic_hysteresis", "linkage_nonlinearity", "area_variation"),
         told_apart_by="minor loops at low and high pressure",
     ),
     Effect(
