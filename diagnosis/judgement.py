@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.score import Errors, Score
+from diagnosis.score import Score
 from diagnosis.selection import Candidate, explains, stops_seen
 from valvemodel.effects import effect_of_key
 
