@@ -109,7 +109,8 @@ def test_corrections_find_what_was_added(given: Model, plain: tuple[Experiment, 
 def test_no_correction_where_the_noise_is_reached(plain: tuple[Experiment, Fit]) -> None:
     experiment, base = plain
     exact = replace(simulated_on(experiment, base), pressure=None)
-    noisy = replace(exact, position=exact.position + exact.noise * np.random.default_rng(6).standard_normal(5000))
+    noise = exact.noise * np.random.default_rng(6).standard_normal(len(exact.time))
+    noisy = replace(exact, position=exact.position + noise)
     for place in PLACES:
         found = smallest_correction(noisy, base, base.starts[0], place)
         assert found.freedom == 0.0
