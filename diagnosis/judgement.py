@@ -121,7 +121,7 @@ def excess(free: float, anchored: float) -> float:
 
 def can_stop(candidate: Candidate) -> bool:
     """Return whether a cause can make the stem rest again and again on its way."""
-    return any(effect_of_key(key).stops_again for key in candidate.effects)
+    return any(effect_of_key(key).stops_again for key in candidate.fit.model.effects)
 
 
 def is_felt(candidate: Candidate) -> bool:

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.ceiling import ceiling_of
 from diagnosis.score import closed_share
-from diagnosis.selection import try_effect
+from diagnosis.selection import stops_seen, try_effect
 from diagnosis.sham import control_of, shams_on, smooth_noise
 
 
@@ -45,3 +45,11 @@ def test_black_box_closes_a_bow_and_nothing_of_noise(quiet, refitted):
     assert closed_share(base.score.free.rms, after.rms, holdout.noise) > 0.8
     base, holdout = refitted(quiet)
     assert ceiling_of(base.fit, holdout, is_anchored=False).rms == pytest.approx(base.score.free.rms, rel=0.05)
+
+
+def test_shams_are_judged_where_the_stem_rests_on_its_way(quiet, refitted):
+    stairs = 12.0 * quiet.noise
+    steps = np.round(quiet.position / stairs) * stairs - quiet.position
+    base, holdout = refitted(quiet, steps)
+    assert stops_seen(base.fit)
+    assert 0.0 <= control_of([base], holdout, "free").probability <= 1.0
