@@ -80,15 +80,11 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Work:
-    """One extension to be tried: a fit, the cause with the new effect last, and known values of the new effect.
-
-    `is_global` says whether an effect whose error has many minima is searched for globally, which takes seconds.
-    """
+    """One extension to be tried: a fit, the cause with the new effect last, and known values of the new effect."""
 
     fit: Fit
     effects: tuple[str, ...]
     known: dict[str, float] | None = None
-    is_global: bool = False
 
 
 @contextmanager
@@ -108,18 +104,16 @@ def workers(jobs: int | None = None) -> Iterator[Executor | None]:
 
 
 def try_effect(
-    fit: Fit,
-    effects: tuple[str, ...],
-    holdout: Holdout,
-    known: dict[str, float] | None = None,
-    *,
-    is_global: bool = True,
+    fit: Fit, effects: tuple[str, ...], holdout: Holdout, known: dict[str, float] | None = None
 ) -> Candidate:
-    """Extend a fit by the last of a cause's effects, from known values of it too, and score it."""
+    """Extend a fit by the last of a cause's effects, from known values of it too, and score it.
+
+    The search is global, which takes seconds where the error has many minima, for an effect that stands alone.
+    """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        extended = extend(fit, effects[-1], known, is_global=is_global)
+        extended = extend(fit, effects[-1], known, is_global=len(effects) == 1)
         freedom = sum(len(effect_of_key(key).fitted) for key in effects)
         return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
@@ -154,9 +148,7 @@ def try_alone(
         if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
             break
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
-        tried += try_all(
-            [Work(base.fit, (key,), is_global=True) for key in keys], holdout, pool, progress, "effects one by one"
-        )
+        tried += try_all([Work(base.fit, (key,)) for key in keys], holdout, pool, progress, "effects one by one")
     return tried
 
 
@@ -267,13 +259,8 @@ def try_all(
     done: list[Candidate] = []
     jobs: list[Future[Candidate]] = []
     if pool is not None:
-        jobs = [pool.submit(try_work, each, holdout) for each in work]
+        jobs = [pool.submit(try_effect, each.fit, each.effects, holdout, each.known) for each in work]
     for number, each in enumerate(work):
         progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
-        done.append(jobs[number].result() if jobs else try_work(each, holdout))
+        done.append(jobs[number].result() if jobs else try_effect(each.fit, each.effects, holdout, each.known))
     return done
-
-
-def try_work(work: Work, holdout: Holdout) -> Candidate:
-    """Try one extension."""
-    return try_effect(work.fit, work.effects, holdout, work.known, is_global=work.is_global)

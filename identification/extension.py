@@ -181,7 +181,8 @@ def promise(
     """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
     problem, point = joined(fit.problem, fit.found.point, effect, start)
     samples, known = len(left) - len(fit.found.point), len(fit.found.point)
-    there = problem.residuals(point[None, :])[0][: samples + known]
+    residual = problem.residuals(point[None, :])[0]
+    there = residual[: samples + known]
     change = there - left
     change -= basis @ (basis.T @ change)
     size = float(change @ change)
@@ -189,7 +190,7 @@ def promise(
     answered = point.copy()
     answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ there), -ANSWER, ANSWER)
     answered = np.clip(answered, *problem.bounds)
-    before, after = errors(problem, np.stack([point, answered]))
+    before, after = 0.5 * float(residual @ residual), float(errors(problem, answered[None, :])[0])
     gained = 2.0 * (fit.found.error - min(before, after))
     return Trial(problem, answered if after < before else point, max(linear, gained))
 
