@@ -21,6 +21,7 @@ from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
+from diagnosis.stairs import with_stairs
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
@@ -219,9 +220,10 @@ def diagnose(
     library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    experiments, slowness = with_sampling_error(experiments, base)
-    if slowness:
-        holdout = hold_out(experiments)
+    noisier, slowness = with_sampling_error(experiments, base)
+    judged = with_stairs(noisier, base)
+    if judged != experiments:
+        experiments, holdout = judged, hold_out(judged)
         base = fit_base(model, holdout.experiments, holdout.fitted)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
