@@ -56,7 +56,7 @@ STATE = np.dtype(
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "quiet_yy", "quiet_vy", "quiet_friction",
-            "known_damping", "known_stiffness", "known_duration",
+            "known_damping", "known_stiffness", "known_duration", "known_alpha", "known_beta", "known_half_swing",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
             "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",

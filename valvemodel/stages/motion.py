@@ -9,7 +9,7 @@ from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
-from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
+from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
     RISING,
@@ -82,15 +82,15 @@ def glide(p, state, pressure, duration):
     Nothing happens while the stem stays stuck, or slips at no less than the stop speed at both ends: a speed has at
     most one zero, or its zeros are half a swing apart and the duration is shorter.
     """
-    side, push = state.mode, p.diaphragm_area * pressure - p.spring_preload
+    side = state.mode
     if side == STUCK:
-        net = push - p.spring_rate * state.position
+        net = p.diaphragm_area * pressure - p.spring_preload - p.spring_rate * state.position
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
-    if state.quiet_duration != duration or state.quiet_side != side:
-        remember_glide(p, state, side, duration)
-    push -= state.quiet_friction
-    position = state.quiet_yf * push + state.quiet_yv * state.velocity + state.quiet_yy * state.position
-    velocity = state.quiet_vf * push + state.quiet_vy * state.position + state.quiet_vv * state.velocity
+    remember_glide(p, state, side, duration)
+    # In a closed loop the pressure comes last; all else is summed before.
+    push = p.diaphragm_area * pressure - (p.spring_preload + state.quiet_friction)
+    position = (state.quiet_yy * state.position + state.quiet_yv * state.velocity) + state.quiet_yf * push
+    velocity = (state.quiet_vy * state.position + state.quiet_vv * state.velocity) + state.quiet_vf * push
     is_quiet = (
         side * state.velocity >= STOP_SPEED
         and side * velocity >= STOP_SPEED
@@ -102,8 +102,15 @@ def glide(p, state, pressure, duration):
     return is_quiet
 
 
-@compiled
+@inlined
 def remember_glide(p, state, side, duration):
+    """Write down what a glide over a duration to one side needs, where it is not the last one."""
+    if state.quiet_duration != duration or state.quiet_side != side:
+        foresee_glide(p, state, side, duration)
+
+
+@compiled
+def foresee_glide(p, state, side, duration):
     """Write down how velocity and position follow from themselves and the force over a duration of one slip."""
     mass = p.stem_mass
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
@@ -158,14 +165,41 @@ def glide_part(p, state, memory):
     return is_quiet
 
 
-@compiled
-def remembered_transition(p, state, damping, stiffness, duration):
-    """Return `transition`, computed anew only where its arguments differ from the last ones."""
-    if state.known_duration != duration or state.known_damping != damping or state.known_stiffness != stiffness:
+@inlined
+def remember_swing(p, state, damping, stiffness):
+    """Write down the rates of a linear slip where they differ from the last one's."""
+    if state.known_damping != damping or state.known_stiffness != stiffness or state.known_duration < 0.0:
+        alpha = 0.5 * damping / p.stem_mass
+        square = stiffness / p.stem_mass - alpha * alpha
+        beta = math.sqrt(max(square, 0.0))
+        state.known_alpha, state.known_beta = alpha, beta
+        state.known_half_swing = math.pi / beta if beta > 0.0 else math.inf
+        state.known_damping, state.known_stiffness, state.known_duration = damping, stiffness, 0.0
+
+
+@inlined
+def keeps_going(state, speed, acceleration, duration):
+    """Return whether it is known at once that a speed does not fall to 0 within a duration.
+
+    A speed has at most one zero, or its zeros are half a swing apart.
+    """
+    return (
+        state.known_duration == duration
+        and duration < state.known_half_swing
+        and state.known_vv * speed + state.known_va * acceleration >= STOP_SPEED
+    )
+
+
+@inlined
+def remembered_transition(p, state, damping, stiffness, duration, is_odd):
+    """Return `transition`, that of a duration which is not odd computed anew only where it is not the last one."""
+    if is_odd:
+        return transition(p.stem_mass, damping, stiffness, duration)
+    if state.known_duration != duration:
         vv, va, av, aa, yv, ya = transition(p.stem_mass, damping, stiffness, duration)
         state.known_vv, state.known_va, state.known_av = vv, va, av
         state.known_aa, state.known_yv, state.known_ya = aa, yv, ya
-        state.known_duration, state.known_damping, state.known_stiffness = duration, damping, stiffness
+        state.known_duration = duration
     return state.known_vv, state.known_va, state.known_av, state.known_aa, state.known_yv, state.known_ya
 
 
@@ -195,8 +229,9 @@ def advance_stem(p, state, memory, time, duration, tolerance):
             return duration
         return advance_travel(p, state, memory, time, duration, tolerance)
     pressure = pressure_at(memory, time)
-    breaks_away = state.mode == STUCK
-    if breaks_away:
+    if memory.part_count == 0.0 and state.plan_closed == 1.0:
+        return advance_held(p, state, pressure, duration)
+    if state.mode == STUCK:
         side = breakaway_side(p, state, pressure, time)
         if side == STUCK:
             return time_stuck(p, state, memory, time, duration, tolerance)
@@ -205,9 +240,23 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, time) == STUCK:
         come_to_rest(state)
         return 0.0
-    if memory.part_count == 0.0 and state.plan_closed == 1.0:
-        return advance_slip(p, state, pressure, duration, breaks_away)
     return advance_travel(p, state, memory, time, duration, tolerance)
+
+
+@compiled
+def advance_held(p, state, pressure, duration):
+    """Move the stem under forces that are held until its next event or the end of a duration; return the time used."""
+    breaks_away = state.mode == STUCK
+    if breaks_away:
+        side = breakaway_side(p, state, pressure, 0.0)
+        if side == STUCK:
+            return duration
+        state.velocity = 0.0
+        state.mode = side
+    elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, 0.0) == STUCK:
+        come_to_rest(state)
+        return 0.0
+    return advance_slip(p, state, pressure, duration, breaks_away)
 
 
 @compiled
@@ -244,13 +293,21 @@ def advance_slip(p, state, pressure, duration, breaks_away):
         # Rounding: friction holds it after all.
         come_to_rest(state)
         return duration
-    stop = first_stop(mass, viscous, stiffness, speed, start)
-    step = min(stop, duration)
-    vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step)
-    way = yv * speed + ya * start
+    remember_swing(p, state, viscous, stiffness)
+    stop = math.inf
+    if speed == 0.0 and start > 0.0:
+        stop = state.known_half_swing
+    elif not keeps_going(state, speed, start, duration):
+        stop = first_stop(mass, viscous, stiffness, speed, start)
+    step, has_stopped = min(stop, duration), stop <= duration
+    if has_stopped and max(state.known_alpha, state.known_beta) * stop >= SHORT and state.known_beta > 0.0:
+        way, next_acceleration = swing_out(state.known_alpha, state.known_beta, speed, start, stop)
+        next_speed = 0.0
+    else:
+        vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step, has_stopped)
+        way = yv * speed + ya * start
+        next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    has_stopped = stop <= duration
     if not way <= room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < STOP_SPEED and (not has_stopped or next_acceleration > -HARD_STOP)

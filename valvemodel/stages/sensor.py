@@ -156,7 +156,10 @@ def unbow(p, reading):
 def follow_steadily(p, state):
     """Follow a stem that has moved one way, without a lag."""
     position = state.position
-    state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
+    if p.backlash_half_width == 0.0:
+        state.linkage = position
+    else:
+        state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
 
 
 @compiled
