@@ -9,6 +9,7 @@ from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
+from valvemodel.stages.series import advance_series
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
@@ -26,7 +27,7 @@ from valvemodel.stages.stem import (
     varies_in_time,
 )
 from valvemodel.stages.step import lay_motion
-from valvemodel.stages.travel import TOUCHING, advance_travel
+from valvemodel.stages.travel import MEETING, TOUCHING, advance_travel
 
 HOLD = 1e-12
 """Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
@@ -40,6 +41,9 @@ RESOLVED = 0.25
 RIGID = 0.01
 """Share of the tolerance below which the reach of the bristles is none: they are the dry friction of their limit."""
 
+BENT = 0.01
+"""Share of the tolerance within which bristles are bent as far as they go: what they lack moves the stem by less."""
+
 SETTLED = 0.01
 """Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
@@ -51,6 +55,13 @@ def plan_stem(p, state, tolerance):
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
+    state.plan_series = (
+        state.plan_elastic == 1.0
+        and state.plan_limit_held == 1.0
+        and is_linear(p)
+        and state.plan_varies == 0.0
+        and p.sensor_time_constant == 0.0
+    )
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
     state.plan_response = 1.0 / max(own_rate, 1e-3)
     state.plan_longest = longest_step(p, state)
@@ -223,6 +234,8 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if state.plan_elastic == 1.0:
+        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
@@ -280,6 +293,28 @@ def rests_on_bristles(p, state, memory, time, duration, tolerance):
 
 
 @compiled
+def advance_on_bristles(p, state, memory, time, duration, tolerance):
+    """Move a stem on bristles of a held limit until its next event or the end of a duration; return the time used. [s]
+
+    Once they are bent as far as they go, it slips on dry friction.
+    """
+    if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
+        return duration
+    side, position, pressure = state.mode, state.position, pressure_at(memory, time)
+    limit = sliding_friction(p, side, position, pressure, 0.0)
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
+    net = side * (thrust(p, position, pressure, 0.0) - state.bristle - viscous * state.velocity)
+    if side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
+        # The rest of a creep is below the tolerance.
+        come_to_rest(state)
+        return 0.0
+    if memory.part_count == 0.0 and limit - side * state.bristle <= BENT * tolerance * p.spring_rate:
+        state.bristle = side * limit
+        return advance_slip(p, state, pressure, duration, False)
+    return advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
+
+
+@compiled
 def advance_slip(p, state, pressure, duration, breaks_away):
     """Move a linear slip under held forces to its next event or the end of a duration; return the time used. [s]"""
     side, position = state.mode, state.position
@@ -311,7 +346,7 @@ def advance_slip(p, state, pressure, duration, breaks_away):
     if not way <= room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < STOP_SPEED and (not has_stopped or next_acceleration > -HARD_STOP)
-    if is_slow and next_acceleration < 0.0:
+    if is_slow and state.plan_elastic == 0.0 and next_acceleration < 0.0:
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True
