@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
+from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
 from valvemodel.stages.series import advance_series
@@ -275,21 +276,34 @@ def advance_held(p, state, pressure, duration):
 @compiled
 def rests_on_bristles(p, state, memory, time, duration, tolerance):
     """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
-    position = state.position
-    net = thrust(p, position, pressure_at(memory, time), time) - state.bristle
-    limit = limiting_friction(p, 0.0, position, pressure_at(memory, time), time, 0.0)
-    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
-    if abs(net) * p.presliding_compliance <= SETTLED * tolerance * max(1.0 - abs(state.bristle) / limit, 1e-9):
-        if is_held:
+    position, net = state.position, net_on_bristles(p, state, memory, time)
+    if is_negligible(p, state, memory, time, net, tolerance):
+        if memory.part_count == 0.0 and state.plan_varies == 0.0:
             return True
-        later = time + duration
-        net = thrust(p, position, pressure_at(memory, later), later) - state.bristle
+        net = net_on_bristles(p, state, memory, time + duration)
+        if is_negligible(p, state, memory, time + duration, net, tolerance):
+            return True
     side = RISING if net > 0.0 else FALLING
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     if net == 0.0 or room <= 0.0:
         return True
     state.mode, state.velocity = side, 0.0
     return False
+
+
+@compiled
+def net_on_bristles(p, state, memory, time):
+    """Return the force on a stem that rests on bristles. [N]"""
+    return thrust(p, state.position, pressure_at(memory, time), time) - state.bristle
+
+
+@compiled
+def is_negligible(p, state, memory, time, net, tolerance):
+    """Return whether a force swings a stem that rests on bristles by much less than the tolerance."""
+    limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
+    # Near the limit a small force bends them far, and what they forget by swinging back tells then.
+    stiffness = bristle_stiffness(p, abs(state.bristle), limit)
+    return abs(net) <= SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance)
 
 
 @compiled
@@ -304,11 +318,12 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
     limit = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     net = side * (thrust(p, position, pressure, 0.0) - state.bristle - viscous * state.velocity)
-    if side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
+    is_held = memory.part_count == 0.0
+    if is_held and side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
         # The rest of a creep is below the tolerance.
         come_to_rest(state)
         return 0.0
-    if memory.part_count == 0.0 and limit - side * state.bristle <= BENT * tolerance * p.spring_rate:
+    if is_held and limit - side * state.bristle <= BENT * tolerance * p.spring_rate:
         state.bristle = side * limit
         return advance_slip(p, state, pressure, duration, False)
     return advance_series(p, state, memory, time, pressure, limit, duration, tolerance)

@@ -12,7 +12,7 @@ from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.slip import first_stop
 from valvemodel.stages.stem import tangent_stiffness, thrust
 
-TERM_SHARE = 1e-4
+TERM_SHARE = 1e-3
 """Share of the tolerance below which a term of the series is left out, and within which an event is met."""
 
 BEYOND = 1.05
