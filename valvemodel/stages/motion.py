@@ -45,6 +45,9 @@ RIGID = 0.01
 BENT = 0.01
 """Share of the tolerance within which bristles are bent as far as they go: what they lack moves the stem by less."""
 
+FORGOTTEN = 1e-4
+"""Share of the limit of bristles that a swing which is left out may hold, however stiff they are."""
+
 SETTLED = 0.01
 """Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
@@ -303,7 +306,7 @@ def is_negligible(p, state, memory, time, net, tolerance):
     limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
     # Near the limit a small force bends them far, and what they forget by swinging back tells then.
     stiffness = bristle_stiffness(p, abs(state.bristle), limit)
-    return abs(net) <= SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance)
+    return abs(net) <= min(SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance), FORGOTTEN * limit)
 
 
 @compiled

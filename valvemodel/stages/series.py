@@ -15,6 +15,9 @@ from valvemodel.stages.stem import tangent_stiffness, thrust
 TERM_SHARE = 1e-3
 """Share of the tolerance below which a term of the series is left out, and within which an event is met."""
 
+REACH_SHARE = 1e-4
+"""The same of the reach of the bristles, where that is shorter."""
+
 BEYOND = 1.05
 """Longest step over the time to the stop of the linear part, the stiffest: two zeros of the speed are farther apart."""
 
@@ -32,8 +35,9 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     w'' = f(t) - c w' - k w + d exp(-w / r) along its way w (Dahl): smooth, so that its series carries as far as its
     last terms allow.
     """
-    side, position, mass, bound = state.mode, state.position, p.stem_mass, TERM_SHARE * tolerance
-    speed, departure, reach = side * state.velocity, limit - side * state.bristle, limit * p.presliding_compliance
+    side, position, mass, speed = state.mode, state.position, p.stem_mass, state.mode * state.velocity
+    departure, reach = limit - side * state.bristle, limit * p.presliding_compliance
+    bound = min(TERM_SHARE * tolerance, REACH_SHARE * reach)
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
     push = (side * thrust(p, position, pressure, 0.0) - limit) / mass
