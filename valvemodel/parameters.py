@@ -52,7 +52,7 @@ STATE = np.dtype(
             "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
-            "plan_series", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
+            "plan_series", "plan_bowed", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "quiet_yy", "quiet_vy", "quiet_friction",

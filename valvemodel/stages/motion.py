@@ -68,7 +68,7 @@ def plan_stem(p, state, tolerance):
     )
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
     state.plan_response = 1.0 / max(own_rate, 1e-3)
-    state.plan_longest = longest_step(p, state)
+    state.plan_longest = longest_step(p)
     state.plan_steady = (
         state.plan_linear == 1.0
         and not varies_in_time(p)
@@ -77,10 +77,9 @@ def plan_stem(p, state, tolerance):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
-    state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0
-    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
-        state.plan_closed = 0.0
+    state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
     state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
@@ -219,15 +218,13 @@ def remembered_transition(p, state, damping, stiffness, duration, is_odd):
 
 
 @compiled
-def longest_step(p, state):
-    """Return the longest step that cannot miss what forces that vary in time, or a bow behind a lag, do within. [s]"""
+def longest_step(p):
+    """Return the longest step that cannot miss what forces that vary in time do within. [s]"""
     longest = math.inf
     if p.load_sine != 0.0 or p.load_cosine != 0.0:
         longest = RESOLVED * p.load_period
     if p.friction_drift_rate != 0.0:
         longest = min(longest, RESOLVED * p.friction_drift_time)
-    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
-        longest = min(longest, state.plan_response)
     return longest
 
 
