@@ -8,7 +8,7 @@ from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
-from valvemodel.stages.motion import advance_stem, glide, glide_part, plan_stem
+from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
 from valvemodel.stages.part import hold_pressure, lay_part
 from valvemodel.stages.rest import come_to_rest
@@ -35,9 +35,11 @@ TICKS = 1.26e12
 CHATTER = 64
 """Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
-
 MOST_STEPS, STEPS_PER_SECOND = 2000, 1e5
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
+
+FEW = 4
+"""Events of one period that a steady stem meets without being followed further; most have one or two."""
 
 COARSEST = 1.0
 """A tolerance beyond all travel. [m]"""
@@ -126,13 +128,13 @@ def note_events(state, memory, time, step, before, mode_before):
         note_event(memory, time + step, state.position, speed, mode_before, state.mode)
 
 
-@apart(RECORDS, 3)
-def move_by_events(p, state, memory, time, duration, tolerance):
-    """Move stem and sensor through a duration of the part, from event to event.
+@apart(RECORDS, 4)
+def move_by_events(p, state, memory, time, used, duration, tolerance):
+    """Move stem and sensor through what is left of a duration of the part, from event to event.
 
     What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
     """
-    used, in_a_row, pause, steps = 0.0, 0, SHORTEST_STEP, 0
+    in_a_row, pause, steps = 0, SHORTEST_STEP, 0
     while used < duration and tolerance <= COARSEST:
         steps += 1
         if steps > MOST_STEPS + STEPS_PER_SECOND * duration:
@@ -153,13 +155,26 @@ def move_by_events(p, state, memory, time, duration, tolerance):
 
 
 @inlined
+def slip_on(p, state, memory, pressure, time, duration, tolerance):
+    """Move stem and sensor through a duration under a held pressure in which something happens."""
+    used = 0.0
+    if state.plan_steady == 1.0 and memory.notes_events == 0.0:
+        for _ in range(FEW):
+            used += advance_held(p, state, pressure, duration - used)
+            follow_steadily(p, state)
+            if used >= duration:
+                return
+    hold_pressure(memory, pressure)
+    move_by_events(p, state, memory, time, used, duration, tolerance)
+
+
+@inlined
 def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
     if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
         follow_steadily(p, state)
     else:
-        hold_pressure(memory, pressure)
-        move_by_events(p, state, memory, time, duration, tolerance)
+        slip_on(p, state, memory, pressure, time, duration, tolerance)
 
 
 @inlined
@@ -188,7 +203,7 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
         if state.plan_steady == 1.0 and glide_part(p, state, memory):
             follow_steadily(p, state)
         else:
-            move_by_events(p, state, memory, now, length, tolerance)
+            move_by_events(p, state, memory, now, 0.0, length, tolerance)
         used = duration if left - length <= ROUNDING else used + length
 
 

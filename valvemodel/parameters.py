@@ -11,7 +11,7 @@ import numpy as np
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.stages import EFFECTS
 from valvemodel.stages.line import CAPACITY
-from valvemodel.stages.nodes import NODES
+from valvemodel.stages.nodes import NODES, ORDER
 from valvemodel.stages.plays import PLAYS
 
 _HERE = Path(__file__).parent
@@ -52,12 +52,12 @@ STATE = np.dtype(
             "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
-            "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
+            "plan_series", "plan_bowed", "plan_steady", "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio",
             "plan_hard_stop",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "quiet_yy", "quiet_vy", "quiet_friction",
-            "known_damping", "known_stiffness", "known_duration",
+            "known_damping", "known_stiffness", "known_duration", "known_alpha", "known_beta", "known_half_swing",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
             "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
@@ -120,6 +120,7 @@ MEMORY = np.dtype(
             "forces", "values", "powers",
         )
     ]
+    + [(name, "f8", (ORDER + 1,)) for name in ("series_ways", "series_rates", "series_fades", "series_forces")]
 )  # fmt: skip
 """Type of what a run remembers beside its state: the drives under way in the line, the events of the period, what is
 known of the responses at the nodes of the last part and step."""

@@ -16,7 +16,7 @@ from valvemodel.chain import (
     anchor_stem,
     maps_plainly,
     mode_of,
-    move_stem,
+    slip_on,
     start_chain,
     whole_duration,
 )
@@ -31,19 +31,17 @@ from valvemodel.stages.stem import STUCK
 NONE = np.zeros((0, 0))
 """For outputs that are left out."""
 
+ONE = np.uint64(1)
+"""Counts samples without a sign: indices that may be negative cost more than the rest of a stuck period."""
+
 FREE = np.zeros(0)
 """For runs without anchors."""
 
 
 @compiled
-def is_forward(p, state, time):
+def is_forward(state):
     """Return whether the pressure stands still under a held current and the stem may glide through a period."""
-    if state.plan_steady == 0.0 or state.plan_moving == 1.0 or state.plan_delayed == 1.0:
-        return False
-    longest = 0.0
-    for sample in range(time.shape[0] - 1):
-        longest = max(longest, time[sample + 1] - time[sample])
-    return longest <= state.plan_longest
+    return state.plan_steady == 1.0 and state.plan_moving == 0.0 and state.plan_delayed == 0.0
 
 
 @compiled
@@ -73,39 +71,38 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
     hold_high = state.plan_rising_friction * state.plan_ratio
     position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
     positions[0] = linkage
-    sample, last = 0, time.shape[0] - 1
+    sample, last = np.uint64(0), np.uint64(time.shape[0] - 1)
     while sample < last:
         if side == STUCK:
-            while hold_low <= area * pressures[sample] - preload - stiffness * position <= hold_high:
-                sample += 1
+            held = stiffness * position
+            while sample < last and hold_low <= area * pressures[sample] - preload - held <= hold_high:
+                sample += ONE
                 positions[sample] = linkage
-                if sample == last:
-                    break
         else:
-            duration = whole_duration(time[sample + 1] - time[sample])
+            duration = whole_duration(time[sample + ONE] - time[sample])
             remember_glide(p, state, side, duration)
             yy, yv, yf = state.quiet_yy, state.quiet_yv, state.quiet_yf
             vy, vv, vf = state.quiet_vy, state.quiet_vv, state.quiet_vf
             friction = state.quiet_friction
-            while side * velocity >= stick_speed and whole_duration(time[sample + 1] - time[sample]) == duration:
-                push = area * pressures[sample] - preload - friction
-                end = yf * push + yv * velocity + yy * position
-                speed = vf * push + vy * position + vv * velocity
+            while side * velocity >= stick_speed and whole_duration(time[sample + ONE] - time[sample]) == duration:
+                push = area * pressures[sample] - (preload + friction)
+                end = (yy * position + yv * velocity) + yf * push
+                speed = (vy * position + vv * velocity) + vf * push
                 # Not `and`: one branch that is foreseen is cheaper than three.
                 if not ((side * speed >= stick_speed) & (lowest <= end) & (end <= highest)):
                     break
                 position, velocity = end, speed
                 linkage = min(max(linkage, position - play), position + play)
-                sample += 1
+                sample += ONE
                 positions[sample] = linkage
                 if sample == last:
                     break
         if sample < last:
             state.position, state.velocity, state.linkage, state.mode = position, velocity, linkage, side
-            duration = whole_duration(time[sample + 1] - time[sample])
-            move_stem(p, state, memory, pressures[sample], time[sample], duration, tolerance)
+            duration = whole_duration(time[sample + ONE] - time[sample])
+            slip_on(p, state, memory, pressures[sample], time[sample], duration, tolerance)
             position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
-            sample += 1
+            sample += ONE
             positions[sample] = linkage
     state.position, state.velocity, state.linkage, state.mode = position, velocity, linkage, side
 
@@ -183,7 +180,7 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
     for row in range(rows.shape[0]):
         p, state, memory = rows[row], states[row], memories[0]
         start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
-        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(p, state, time):
+        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(state):
             run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
             continue
         run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row])

@@ -9,7 +9,7 @@ from exact_chain import ExactValve
 from simulation_runs import base_model, ramps_and_steps, run
 
 from valvemodel import chain
-from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, time_of_way, transition
+from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 
 RATE = 52500.0
 MASS = 1.36
@@ -80,6 +80,20 @@ def test_first_stop_is_where_the_speed_is_zero(slip, speed, deceleration):
         for share in (0.1, 0.5, 0.9, 0.999):
             vv, va, *_ = exact_transition(*(*slip, share * stop))
             assert vv * mp.mpf(speed) - va * mp.mpf(deceleration) > 0
+
+
+@pytest.mark.parametrize("damping", [0.0, 1.59, 60.0, 500.0])
+@pytest.mark.parametrize(("speed", "acceleration"), [(0.5, 300.0), (0.02, -1.5), (3e-6, 40.0)])
+def test_swing_out_ends_where_the_slip_stops(damping, speed, acceleration):
+    slip = (MASS, damping, RATE)
+    stop = first_stop(*slip, speed, acceleration)
+    alpha = 0.5 * damping / MASS
+    way, at_stop = swing_out(alpha, math.sqrt(RATE / MASS - alpha**2), speed, acceleration, stop)
+    with mp.workdps(50):
+        _, _, av, aa, yv, ya = exact_transition(*slip, stop)
+        amplitude = (abs(acceleration) + math.sqrt(RATE / MASS) * speed) * MASS / RATE
+        assert abs(way - (yv * speed + ya * acceleration)) <= 2e-15 * amplitude
+        assert abs(at_stop - (av * speed + aa * acceleration)) <= 1e-14 * amplitude * RATE / MASS
 
 
 @pytest.mark.parametrize("name", ["overdamped", "just above critical", "weak spring"])

@@ -28,16 +28,18 @@ def lay_chamber(p, state, memory, spacing, count, slack):
     if not abs(rate - state.chamber_rate) * spacing * count <= KEPT:
         state.chamber_rate = rate
     remember_lag(lag, state.chamber_rate, spacing, count)
+    per_supply = 1.0 / p.supply_pressure
     for node in range(count + 1):
+        is_same = node > 0 and aims[node] == aims[node - 1] and memory.gaps[node] == memory.gaps[node - 1]
         # The flow at rest is 0 but where the resting pressure is not that of eq. (16).
-        memory.shares[node] = chamber_flow(p, aims[node], memory.gaps[node])
+        flow = memory.shares[node - 1] if is_same else chamber_flow(p, aims[node] * per_supply, memory.gaps[node])
+        memory.shares[node] = flow
         values[node] = aims[node] + (start - aims[node]) * lag.decay[node]
     moved = math.inf
     for _ in range(SWEEPS):
         for node in range(count + 1):
-            pressure = values[node]
-            speed = filling_speed(p, pressure, memory.gaps[node], memory.shares[node])
-            memory.forces[node] = speed + lag.rate * pressure
+            speed = filling_speed(p, values[node] * per_supply, memory.gaps[node], memory.shares[node])
+            memory.forces[node] = speed + lag.rate * values[node]
         end, middle = values[count], values[1]
         follow_nodes(lag, start, memory.forces, memory.powers, values)
         before = moved
@@ -50,25 +52,25 @@ def lay_chamber(p, state, memory, spacing, count, slack):
 
 
 @inlined
-def chamber_flow(p, pressure, gap):
-    """Return the flow into the chamber over that of the open orifice, eq. (15)."""
-    supply = p.supply_pressure
-    return chamber_inflow(min(max(pressure, 0.0), supply), gap, supply, p.flow_ratio)
+def chamber_flow(p, share, gap):
+    """Return the flow into the chamber over that of the open orifice at a share of the supply, eq. (15)."""
+    return chamber_inflow(min(max(share, 0.0), 1.0), gap, 1.0, p.flow_ratio)
 
 
 @inlined
-def filling_speed(p, pressure, gap, flow_at_rest):
-    """Return how fast the pressure changes; 0 at rest. [Pa/s]"""
-    supply = p.supply_pressure
-    filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * min(max(pressure / supply, 0.0), 1.0))
-    return (chamber_flow(p, pressure, gap) - flow_at_rest) * supply / filling_time
+def filling_speed(p, share, gap, flow_at_rest):
+    """Return how fast the pressure changes at a share of the supply; 0 at rest. [Pa/s]"""
+    speed = (chamber_flow(p, share, gap) - flow_at_rest) * (p.supply_pressure / p.chamber_filling_time)
+    if p.filling_growth != 0.0:
+        speed /= 1.0 + p.filling_growth * min(max(share, 0.0), 1.0)
+    return speed
 
 
 @compiled
 def filling_rate(p, pressure, resting, gap):
     """Return the rate at which a departure from rest dies out, its secant in eq. (15). [1/s]"""
     supply = p.supply_pressure
-    aim, bounded = min(max(resting, 0.0), supply), min(max(pressure, 0.0), supply)
-    if abs(bounded - aim) <= NEAR * supply:
-        bounded = aim + NEAR * supply if aim < 0.5 * supply else aim - NEAR * supply
-    return max(-filling_speed(p, bounded, gap, chamber_flow(p, aim, gap)) / (bounded - aim), 0.0)
+    aim, bounded = min(max(resting / supply, 0.0), 1.0), min(max(pressure / supply, 0.0), 1.0)
+    if abs(bounded - aim) <= NEAR:
+        bounded = aim + NEAR if aim < 0.5 else aim - NEAR
+    return max(-filling_speed(p, bounded, gap, chamber_flow(p, aim, gap)) / (supply * (bounded - aim)), 0.0)

@@ -7,9 +7,11 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
+from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
-from valvemodel.stages.slip import first_stop, slip_end, time_of_way, transition
+from valvemodel.stages.series import advance_series
+from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
     RISING,
@@ -26,7 +28,7 @@ from valvemodel.stages.stem import (
     varies_in_time,
 )
 from valvemodel.stages.step import lay_motion
-from valvemodel.stages.travel import TOUCHING, advance_travel
+from valvemodel.stages.travel import MEETING, TOUCHING, advance_travel
 
 HOLD = 1e-12
 """Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
@@ -40,6 +42,12 @@ RESOLVED = 0.25
 RIGID = 0.01
 """Share of the tolerance below which the reach of the bristles is none: they are the dry friction of their limit."""
 
+BENT = 0.01
+"""Share of the tolerance within which bristles are bent as far as they go: what they lack moves the stem by less."""
+
+FORGOTTEN = 1e-4
+"""Share of the limit of bristles that a swing which is left out may hold, however stiff they are."""
+
 SETTLED = 0.01
 """Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
@@ -51,9 +59,16 @@ def plan_stem(p, state, tolerance):
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
+    state.plan_series = (
+        state.plan_elastic == 1.0
+        and state.plan_limit_held == 1.0
+        and is_linear(p)
+        and state.plan_varies == 0.0
+        and p.sensor_time_constant == 0.0
+    )
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
     state.plan_response = 1.0 / max(own_rate, 1e-3)
-    state.plan_longest = longest_step(p, state)
+    state.plan_longest = longest_step(p)
     state.plan_steady = (
         state.plan_linear == 1.0
         and not varies_in_time(p)
@@ -62,10 +77,9 @@ def plan_stem(p, state, tolerance):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
-    state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0
-    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
-        state.plan_closed = 0.0
+    state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
     state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
@@ -83,15 +97,15 @@ def glide(p, state, pressure, duration):
     Nothing happens while the stem stays stuck, or slips at no less than the stop speed at both ends: a speed has at
     most one zero, or its zeros are half a swing apart and the duration is shorter.
     """
-    side, push = state.mode, p.diaphragm_area * pressure - p.spring_preload
+    side = state.mode
     if side == STUCK:
-        net = push - p.spring_rate * state.position
+        net = p.diaphragm_area * pressure - p.spring_preload - p.spring_rate * state.position
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
-    if state.quiet_duration != duration or state.quiet_side != side:
-        remember_glide(p, state, side, duration)
-    push -= state.quiet_friction
-    position = state.quiet_yf * push + state.quiet_yv * state.velocity + state.quiet_yy * state.position
-    velocity = state.quiet_vf * push + state.quiet_vy * state.position + state.quiet_vv * state.velocity
+    remember_glide(p, state, side, duration)
+    # In a closed loop the pressure comes last; all else is summed before.
+    push = p.diaphragm_area * pressure - (p.spring_preload + state.quiet_friction)
+    position = (state.quiet_yy * state.position + state.quiet_yv * state.velocity) + state.quiet_yf * push
+    velocity = (state.quiet_vy * state.position + state.quiet_vv * state.velocity) + state.quiet_vf * push
     is_quiet = (
         side * state.velocity >= p.stick_speed
         and side * velocity >= p.stick_speed
@@ -103,8 +117,15 @@ def glide(p, state, pressure, duration):
     return is_quiet
 
 
-@compiled
+@inlined
 def remember_glide(p, state, side, duration):
+    """Write down what a glide over a duration to one side needs, where it is not the last one."""
+    if state.quiet_duration != duration or state.quiet_side != side:
+        foresee_glide(p, state, side, duration)
+
+
+@compiled
+def foresee_glide(p, state, side, duration):
     """Write down how velocity and position follow from themselves and the force over a duration of one slip."""
     mass = p.stem_mass
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
@@ -159,27 +180,52 @@ def glide_part(p, state, memory):
     return is_quiet
 
 
-@compiled
-def remembered_transition(p, state, damping, stiffness, duration):
-    """Return `transition`, computed anew only where its arguments differ from the last ones."""
-    if state.known_duration != duration or state.known_damping != damping or state.known_stiffness != stiffness:
+@inlined
+def remember_swing(p, state, damping, stiffness):
+    """Write down the rates of a linear slip where they differ from the last one's."""
+    if state.known_damping != damping or state.known_stiffness != stiffness or state.known_duration < 0.0:
+        alpha = 0.5 * damping / p.stem_mass
+        square = stiffness / p.stem_mass - alpha * alpha
+        beta = math.sqrt(max(square, 0.0))
+        state.known_alpha, state.known_beta = alpha, beta
+        state.known_half_swing = math.pi / beta if beta > 0.0 else math.inf
+        state.known_damping, state.known_stiffness, state.known_duration = damping, stiffness, 0.0
+
+
+@inlined
+def keeps_going(state, speed, acceleration, duration):
+    """Return whether it is known at once that a speed does not fall to 0 within a duration.
+
+    A speed has at most one zero, or its zeros are half a swing apart.
+    """
+    return (
+        state.known_duration == duration
+        and duration < state.known_half_swing
+        and state.known_vv * speed + state.known_va * acceleration >= STOP_SPEED
+    )
+
+
+@inlined
+def remembered_transition(p, state, damping, stiffness, duration, is_odd):
+    """Return `transition`, that of a duration which is not odd computed anew only where it is not the last one."""
+    if is_odd:
+        return transition(p.stem_mass, damping, stiffness, duration)
+    if state.known_duration != duration:
         vv, va, av, aa, yv, ya = transition(p.stem_mass, damping, stiffness, duration)
         state.known_vv, state.known_va, state.known_av = vv, va, av
         state.known_aa, state.known_yv, state.known_ya = aa, yv, ya
-        state.known_duration, state.known_damping, state.known_stiffness = duration, damping, stiffness
+        state.known_duration = duration
     return state.known_vv, state.known_va, state.known_av, state.known_aa, state.known_yv, state.known_ya
 
 
 @compiled
-def longest_step(p, state):
-    """Return the longest step that cannot miss what forces that vary in time, or a bow behind a lag, do within. [s]"""
+def longest_step(p):
+    """Return the longest step that cannot miss what forces that vary in time do within. [s]"""
     longest = math.inf
     if p.load_sine != 0.0 or p.load_cosine != 0.0:
         longest = RESOLVED * p.load_period
     if p.friction_drift_rate != 0.0:
         longest = min(longest, RESOLVED * p.friction_drift_time)
-    if p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0):
-        longest = min(longest, state.plan_response)
     return longest
 
 
@@ -190,14 +236,17 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if state.plan_elastic == 1.0:
+        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
             return duration
         return advance_travel(p, state, memory, time, duration, tolerance)
     pressure = pressure_at(memory, time)
-    breaks_away = state.mode == STUCK
-    if breaks_away:
+    if memory.part_count == 0.0 and state.plan_closed == 1.0:
+        return advance_held(p, state, pressure, duration)
+    if state.mode == STUCK:
         side = breakaway_side(p, state, pressure, time)
         if side == STUCK:
             return time_stuck(p, state, memory, time, duration, tolerance)
@@ -206,29 +255,79 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     elif sticks(p, state, pressure, time):
         come_to_rest(state)
         return 0.0
-    if memory.part_count == 0.0 and state.plan_closed == 1.0:
-        return advance_slip(p, state, pressure, duration, breaks_away)
     return advance_travel(p, state, memory, time, duration, tolerance)
+
+
+@compiled
+def advance_held(p, state, pressure, duration):
+    """Move the stem under forces that are held until its next event or the end of a duration; return the time used."""
+    breaks_away = state.mode == STUCK
+    if breaks_away:
+        side = breakaway_side(p, state, pressure, 0.0)
+        if side == STUCK:
+            return duration
+        state.velocity = 0.0
+        state.mode = side
+    elif sticks(p, state, pressure, 0.0):
+        come_to_rest(state)
+        return 0.0
+    return advance_slip(p, state, pressure, duration, breaks_away)
 
 
 @compiled
 def rests_on_bristles(p, state, memory, time, duration, tolerance):
     """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
-    position = state.position
-    net = thrust(p, position, pressure_at(memory, time), time) - state.bristle
-    limit = limiting_friction(p, 0.0, position, pressure_at(memory, time), time, 0.0)
-    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
-    if abs(net) * p.presliding_compliance <= SETTLED * tolerance * max(1.0 - abs(state.bristle) / limit, 1e-9):
-        if is_held:
+    position, net = state.position, net_on_bristles(p, state, memory, time)
+    if is_negligible(p, state, memory, time, net, tolerance):
+        if memory.part_count == 0.0 and state.plan_varies == 0.0:
             return True
-        later = time + duration
-        net = thrust(p, position, pressure_at(memory, later), later) - state.bristle
+        net = net_on_bristles(p, state, memory, time + duration)
+        if is_negligible(p, state, memory, time + duration, net, tolerance):
+            return True
     side = RISING if net > 0.0 else FALLING
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     if net == 0.0 or room <= 0.0:
         return True
     state.mode, state.velocity = side, 0.0
     return False
+
+
+@compiled
+def net_on_bristles(p, state, memory, time):
+    """Return the force on a stem that rests on bristles. [N]"""
+    return thrust(p, state.position, pressure_at(memory, time), time) - state.bristle
+
+
+@compiled
+def is_negligible(p, state, memory, time, net, tolerance):
+    """Return whether a force swings a stem that rests on bristles by much less than the tolerance."""
+    limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
+    # Near the limit a small force bends them far, and what they forget by swinging back tells then.
+    stiffness = bristle_stiffness(p, abs(state.bristle), limit)
+    return abs(net) <= min(SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance), FORGOTTEN * limit)
+
+
+@compiled
+def advance_on_bristles(p, state, memory, time, duration, tolerance):
+    """Move a stem on bristles of a held limit until its next event or the end of a duration; return the time used. [s]
+
+    Once they are bent as far as they go, it slips on dry friction.
+    """
+    if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
+        return duration
+    side, position, pressure = state.mode, state.position, pressure_at(memory, time)
+    limit = sliding_friction(p, side, position, pressure, 0.0)
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
+    net = side * (thrust(p, position, pressure, 0.0) - state.bristle - viscous * state.velocity)
+    is_held = memory.part_count == 0.0
+    if is_held and side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
+        # The rest of a creep is below the tolerance.
+        come_to_rest(state)
+        return 0.0
+    if is_held and limit - side * state.bristle <= BENT * tolerance * p.spring_rate:
+        state.bristle = side * limit
+        return advance_slip(p, state, pressure, duration, False)
+    return advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
 
 
 @compiled
@@ -245,17 +344,25 @@ def advance_slip(p, state, pressure, duration, breaks_away):
         # Rounding: friction holds it after all.
         come_to_rest(state)
         return duration
-    stop = first_stop(mass, viscous, stiffness, speed, start)
-    step = min(stop, duration)
-    vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step)
-    way = yv * speed + ya * start
+    remember_swing(p, state, viscous, stiffness)
+    stop = math.inf
+    if speed == 0.0 and start > 0.0:
+        stop = state.known_half_swing
+    elif not keeps_going(state, speed, start, duration):
+        stop = first_stop(mass, viscous, stiffness, speed, start)
+    step, has_stopped = min(stop, duration), stop <= duration
+    if has_stopped and max(state.known_alpha, state.known_beta) * stop >= SHORT and state.known_beta > 0.0:
+        way, next_acceleration = swing_out(state.known_alpha, state.known_beta, speed, start, stop)
+        next_speed = 0.0
+    else:
+        vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step, has_stopped)
+        way = yv * speed + ya * start
+        next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    has_stopped = stop <= duration
     if not way <= room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < p.stick_speed and (not has_stopped or next_acceleration > -state.plan_hard_stop)
-    if is_slow and next_acceleration < 0.0:
+    if is_slow and state.plan_elastic == 0.0 and next_acceleration < 0.0:
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True

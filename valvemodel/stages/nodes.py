@@ -14,6 +14,9 @@ NODES = 5
 COARSE_NODES = 2
 """Spacings of a coarse run."""
 
+ORDER = 18
+"""Highest power of time in the series of a swing on bristles."""
+
 OVERSHOOT = 0.05
 """Largest value of x (x - 1) ... (x - n) / (n + 1)! between the nodes, for any number of them used here."""
 

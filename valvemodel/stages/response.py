@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from valvemodel.compiled import compiled
-from valvemodel.stages.nodes import CHOOSE
-from valvemodel.stages.slip import transition
+from valvemodel.stages.nodes import CHOOSE, NODES
 
 LONG = 4.0
 """Fastest rate times spacing up to which the power series is summed; a longer spacing is halved first."""
+
+TERMS = 40
+"""Of the power series at most; up to there 1e-18 is left of it."""
+
+SHARES = np.array([[math.factorial(p) / math.factorial(p + n + 2) for n in range(TERMS)] for p in range(NODES + 1)])
+"""[power, order]: share of a term of the series in the way under a power of time, in squares of the time."""
 
 
 @compiled
@@ -48,27 +55,23 @@ def respond(response, damping, stiffness, spacing, count):
     while fastest * short > LONG:
         short *= 0.5
         halvings += 1
-    _, impulse, _, rate, _, _ = transition(1.0, damping, stiffness, short)
     by_damping, by_stiffness = damping * short, stiffness * short * short
-    # Terms of the response to the highest two powers; the lower ones follow downwards.
+    # Terms of the response to the highest two powers; the lower ones follow downwards, down to the impulse's.
     before, term = 0.0, 1.0
     highest, next_highest = 0.0, 0.0
-    share, next_share = short * short / ((count + 1.0) * (count + 2.0)), short * short / (count * (count + 1.0))
-    following = count + 3.0
-    is_summed = False
-    while not is_summed:
-        highest += term * share
-        next_highest += term * next_share
+    for order in range(TERMS):
+        highest += term * SHARES[count, order]
+        next_highest += term * SHARES[count - 1, order]
         before, term = term, -by_damping * term - by_stiffness * before
-        share /= following
-        next_share /= following - 1.0
-        following += 1.0
-        is_summed = not (abs(term) + abs(before)) * next_share > 1e-18 * short * short
-    way[1, count], way[1, count - 1] = highest, next_highest
+        if not (abs(term) + abs(before)) * SHARES[count - 1, order] > 1e-18:
+            break
+    way[1, count], way[1, count - 1] = highest * short * short, next_highest * short * short
     for power in range(count, 1, -1):
         way[1, power - 2] = (short * short - by_damping * power * way[1, power - 1] - by_stiffness * way[1, power]) / (
             power * (power - 1.0)
         )
+    impulse = short - damping * way[1, 0] - stiffness * short * way[1, 1]
+    rate = 1.0 - damping * impulse - stiffness * way[1, 0]
     for _ in range(halvings):
         free, scale = 1.0 - stiffness * way[1, 0], 1.0
         for power in range(count + 1):

@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages.lag import follow_nodes, remember_lag
-from valvemodel.stages.nodes import slope_at
+from valvemodel.stages.nodes import fit_powers, left_out, slope_at
 
 EFFECTS = (
     Effect(
@@ -125,6 +125,9 @@ SKEW = 0.5 * math.sqrt(27.0)
 """Scales the skew so that its largest swing is the parameter (4 x (1 - x) (1 - 2 x) peaks at 4/sqrt(108))."""
 
 
+STRAIGHT = 0.01
+"""Share of the tolerance by which a linkage may bend along a step and still be straight."""
+
 NEAR_POLE = 1e-6
 """Distance from the pole of `lag_of_slip` that is kept: the reading is off by this share of its lag."""
 
@@ -156,7 +159,10 @@ def unbow(p, reading):
 def follow_steadily(p, state):
     """Follow a stem that has moved one way, without a lag."""
     position = state.position
-    state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
+    if p.backlash_half_width == 0.0:
+        state.linkage = position
+    else:
+        state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
 
 
 @compiled
@@ -200,6 +206,23 @@ def lag_of_pulls(p, memory, gain, of_acceleration):
         memory.forces[node] = side * source
     follow_nodes(lag, 0.0, memory.forces, memory.powers, memory.values)
     return memory.values[count]
+
+
+@compiled
+def bow_left_out(p, memory, count, tolerance):
+    """Return by how much a lagged reading is off where a bow is a polynomial through the nodes of a step. [m]"""
+    way = memory.ways[count]
+    curvature = 8.0 * (abs(p.linkage_bow) + 6.0 * SKEW * abs(p.linkage_skew)) / (p.rated_travel * p.rated_travel)
+    most = curvature * way * way
+    if most <= STRAIGHT * tolerance:
+        return most
+    side = memory.step_side
+    gain = bow_slope(p, memory.step_position + 0.5 * side * way)
+    for node in range(count + 1):
+        slope = bow_slope(p, memory.step_position + side * memory.ways[node])
+        memory.forces[node] = (slope - gain) * memory.speeds[node]
+    fit_powers(count, memory.forces, memory.powers)
+    return left_out(count, memory.powers) * memory.step_spacing * count
 
 
 @inlined

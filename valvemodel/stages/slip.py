@@ -18,6 +18,12 @@ SHORT = 0.25
 NEAR_CRITICAL = 0.03
 """Below this product of beta and duration the hyperbolic or circular functions are summed as a series."""
 
+NEARLY = 0.01
+"""Share of a level from which its logarithm leads to it; far below, a straight line does."""
+
+CREEPING = 1e-8
+"""Last step to the end of a creep, over its bracket: what it leaves is the square of it."""
+
 ROUNDS = 80
 """Most iterations of a bracketed root; bisection alone needs 60."""
 
@@ -117,6 +123,14 @@ def first_stop(mass, damping, stiffness, speed, acceleration):
     return math.log1p(2.0 * beta * speed / falling) / (2.0 * beta)
 
 
+@inlined
+def swing_out(alpha, beta, speed, acceleration, stop):
+    """Return the way of a ringing slip to its stop, and the acceleration there; sine and cosine are known there."""
+    sine, cosine = beta * speed, alpha * speed + acceleration
+    at_stop = -math.exp(-alpha * stop) * math.sqrt(sine * sine + cosine * cosine)
+    return (acceleration + 2.0 * alpha * speed - at_stop) / (alpha * alpha + beta * beta), at_stop
+
+
 @compiled
 def slip_end(mass, damping, stiffness, speed, acceleration, excess, stop_speed, high):
     """Return when a slip has ended by the stop-speed rule, known to have ended by the end of a bracket. [s]
@@ -135,28 +149,40 @@ def slip_end(mass, damping, stiffness, speed, acceleration, excess, stop_speed, 
 def falling_instant(mass, damping, stiffness, speed, acceleration, of_speed, of_acceleration, level, low, high):
     """Return when of_speed v + of_acceleration a falls to a level inside a bracket. [s]
 
-    Bracketed Newton iteration on the closed form; the lower end where it is already below.
+    Bracketed Newton iteration on the logarithm of the closed form, which a creep makes a straight line, from the upper
+    end on; the lower end where it is already below.
     """
-    instant, bound = low, high
+    v, a = speed, acceleration
+    if low > 0.0:
+        v, a = motion_after(mass, damping, stiffness, speed, acceleration, low)
+    if of_speed * v + of_acceleration * a <= level:
+        return low
+    instant, bound = high, high
     for _ in range(ROUNDS):
-        vv, va, av, aa, _, _ = transition(mass, damping, stiffness, instant)
-        v = vv * speed + va * acceleration
-        a = av * speed + aa * acceleration
-        value = of_speed * v + of_acceleration * a - level
-        if value > 0.0:
+        v, a = motion_after(mass, damping, stiffness, speed, acceleration, instant)
+        value = of_speed * v + of_acceleration * a
+        if value > level:
             low = instant
-        elif instant == low:
-            return low
         else:
             high = instant
         slope = of_speed * a - of_acceleration * (damping * a + stiffness * v) / mass
-        following = instant - value / slope if slope < 0.0 else 0.5 * (low + high)
-        if not low < following < high:
+        excess = value * math.log(value / level) if value > NEARLY * level > 0.0 else value - level
+        following = instant - excess / slope if slope < 0.0 else 0.5 * (low + high)
+        if not low <= following <= high:
             following = 0.5 * (low + high)
-        if abs(following - instant) <= 1e-15 * bound or high - low <= 1e-15 * bound:
-            break
+        # The step after this one would gain as many digits again.
+        is_met = abs(following - instant) <= CREEPING * bound or high - low <= CREEPING**2 * bound
         instant = following
+        if is_met:
+            break
     return instant
+
+
+@inlined
+def motion_after(mass, damping, stiffness, speed, acceleration, duration):
+    """Return speed and acceleration of a slip after a duration."""
+    vv, va, av, aa, _, _ = transition(mass, damping, stiffness, duration)
+    return vv * speed + va * acceleration, av * speed + aa * acceleration
 
 
 @compiled

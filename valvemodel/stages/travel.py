@@ -8,9 +8,10 @@ from valvemodel.compiled import compiled
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_powers, slope_at, value_at
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
+from valvemodel.stages.sensor import bow_left_out
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, thrust
-from valvemodel.stages.step import begin_step, slip_force, sweep_step
+from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
 
 SHORTEST_STEP = 1e-9
 """Steps are not made shorter: far below any time constant of a valve. [s]"""
@@ -46,6 +47,8 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     step = first_length(state, memory, duration)
     while True:
         error = sweep_step(p, state, memory, step, count, tolerance)
+        if state.plan_bowed == 1.0:
+            error += bow_left_out(p, memory, count, tolerance) / (STEP_SHARE * tolerance)
         if error <= 1.0 or step <= SHORTEST_STEP:
             break
         # The error falls with a high power of the length.

@@ -1,0 +1,179 @@
+"""Motion on bristles in powers of time: their force falls as an exponential of the way, and its series with that."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from valvemodel.compiled import compiled, inlined
+from valvemodel.stages.nodes import CHOOSE, ORDER
+from valvemodel.stages.rest import come_to_rest, meet_limit
+from valvemodel.stages.slip import first_stop
+from valvemodel.stages.stem import tangent_stiffness, thrust
+
+TERM_SHARE = 1e-3
+"""Share of the tolerance below which a term of the series is left out, and within which an event is met."""
+
+REACH_SHARE = 1e-4
+"""The same of the reach of the bristles, where that is shorter."""
+
+BEYOND = 1.05
+"""Longest step over the time to the stop of the linear part, the stiffest: two zeros of the speed are farther apart."""
+
+ROUNDS = 60
+"""Most iterations of a bracketed root."""
+
+SHARES = np.array([1.0 / ((order + 1.0) * (order + 2.0)) for order in range(ORDER)])
+"""Share of an order of the force in the way two orders above."""
+
+
+@compiled
+def advance_series(p, state, memory, time, pressure, limit, duration, tolerance):
+    """Move a stem on bristles of a held limit by one step, to its next event at most; return the time used. [s]
+
+    w'' = f(t) - c w' - k w + d exp(-w / r) along its way w (Dahl): smooth, so that its series carries as far as its
+    last terms allow.
+    """
+    side, position, mass, speed = state.mode, state.position, p.stem_mass, state.mode * state.velocity
+    departure, reach = limit - side * state.bristle, limit * p.presliding_compliance
+    bound = min(TERM_SHARE * tolerance, REACH_SHARE * reach)
+    damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
+    stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
+    push = (side * thrust(p, position, pressure, 0.0) - limit) / mass
+    start = push + departure / mass - damping * speed
+    # From rest it goes on for half a swing, whatever sets it going.
+    stiffest = stiffness + departure / (reach * mass)
+    stop = first_stop(1.0, damping, stiffest, speed, start if speed > 0.0 else 1.0)
+    step = min(duration, BEYOND * stop)
+    lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
+    order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, bound)
+    share = carried_share(memory, order, bound)
+    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    has_stopped = rate_at(memory, order, share) <= 0.0
+    if has_stopped:
+        share = place_of_stop(memory, order, share, stop / step, bound * step / state.plan_response)
+    way = way_at(memory, order, share)
+    has_hit = not way <= room
+    if has_hit:
+        share, way, has_stopped = place_of_way(memory, order, share, max(room, 0.0)), room, False
+    state.bristle = side * (limit - departure * math.exp(-way / reach))
+    state.position = position + side * way
+    state.velocity = 0.0 if has_stopped else side * max(rate_at(memory, order, share), 0.0) / step
+    state.trace_next_velocity = state.velocity
+    if has_hit:
+        meet_limit(p, state, abs(state.velocity))
+    elif has_stopped:
+        come_to_rest(state)
+    return share * step
+
+
+@inlined
+def lay_forces(memory, time, step, push, area):
+    """Write the orders of the force, over the mass, that do not depend on the motion: a moving pressure has several."""
+    forces, count = memory.series_forces, int(memory.part_count)
+    forces[0] = push
+    if count > 0:
+        place, scale = (time - memory.part_time) / memory.part_spacing, 1.0
+        for order in range(1, count + 1):
+            scale *= step / memory.part_spacing
+            total = 0.0
+            for power in range(count, order - 1, -1):
+                total = total * place + CHOOSE[power, order] * memory.part_powers[power]
+            forces[order] = area * scale * total
+
+
+@inlined
+def lay_series(memory, step, speed, damping, stiffness, departure, reach, bound):
+    """Write the orders of way and rate over a step, up to where they have died out; return the highest order."""
+    ways, rates, fades, forces = memory.series_ways, memory.series_rates, memory.series_fades, memory.series_forces
+    count = int(memory.part_count)
+    per_reach, by_damping, by_stiffness, square = 1.0 / reach, damping * step, stiffness * step * step, step * step
+    ways[0], ways[1], rates[1], fades[0] = 0.0, speed * step, speed * step, 1.0
+    before = abs(ways[1])
+    for order in range(ORDER - 1):
+        if order > 0:
+            even, odd = 0.0, 0.0
+            for lower in range(1, order, 2):
+                odd += rates[lower] * fades[order - lower]
+                even += rates[lower + 1] * fades[order - lower - 1]
+            if order % 2 == 1:
+                odd += rates[order]
+            fades[order] = -(odd + even) * per_reach / order
+        force = square * departure * fades[order] - by_stiffness * ways[order] - by_damping * rates[order + 1]
+        if order <= count:
+            force += square * forces[order]
+        way = force * SHARES[order]
+        ways[order + 2], rates[order + 2] = way, (order + 2.0) * way
+        if order >= count and before + abs(way) <= bound:
+            return order + 2
+        before = abs(way)
+    return ORDER
+
+
+@inlined
+def carried_share(memory, order, bound):
+    """Return how far into the step its series carries."""
+    last = max(abs(memory.series_ways[order]), abs(memory.series_ways[order - 1]))
+    return 1.0 if last <= bound else math.exp(math.log(bound / last) / (order - 1.0))
+
+
+@inlined
+def way_at(memory, order, share):
+    """Return the way at a share of the step. [m]"""
+    way = 0.0
+    for power in range(order, 0, -1):
+        way = (way + memory.series_ways[power]) * share
+    return way
+
+
+@inlined
+def rate_at(memory, order, share):
+    """Return the speed at a share of the step, by step."""
+    rate = 0.0
+    for power in range(order, 0, -1):
+        rate = rate * share + memory.series_rates[power]
+    return rate
+
+
+@compiled
+def place_of_stop(memory, order, high, foreseen, bound):
+    """Return the share of the step at which the rate falls to 0, by bracketed Newton iteration."""
+    low, share = 0.0, min(foreseen, high)
+    for _ in range(ROUNDS):
+        rate, slope = 0.0, 0.0
+        for power in range(order, 0, -1):
+            slope = slope * share + rate
+            rate = rate * share + memory.series_rates[power]
+        if rate > 0.0:
+            low = share
+        else:
+            high = share
+        following = share - rate / slope if slope < 0.0 else 0.5 * (low + high)
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        # The step after this one would gain as many digits again.
+        is_met = slope < 0.0 and abs(rate * (following - share)) <= bound
+        if is_met or high - low <= 1e-15 * high:
+            return following
+        share = following
+    return share
+
+
+@compiled
+def place_of_way(memory, order, high, distance):
+    """Return the share of the step at which a way is gone, by bracketed Newton iteration."""
+    low, share = 0.0, high
+    for _ in range(ROUNDS):
+        missing, rate = distance - way_at(memory, order, share), rate_at(memory, order, share)
+        if missing > 0.0:
+            low = share
+        else:
+            high = share
+        following = share + missing / rate if rate > 0.0 else 0.5 * (low + high)
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if high - low <= 1e-15 * high or abs(following - share) <= 1e-15:
+            break
+        share = following
+    return share
