@@ -10,7 +10,7 @@ from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_e
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
-from valvemodel.stages.part import hold_pressure, lay_part
+from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import (
     bow,
@@ -21,7 +21,7 @@ from valvemodel.stages.sensor import (
     unbow,
 )
 from valvemodel.stages.slip import STOP_SPEED
-from valvemodel.stages.stem import STUCK, put_stem, rest_stem
+from valvemodel.stages.stem import STUCK, breakaway_ratio, put_stem, rest_stem
 from valvemodel.stages.travel import SHORTEST_STEP
 
 RECORDS = (PARAMETERS, STATE, MEMORY)
@@ -37,6 +37,9 @@ CHATTER = 64
 
 MOST_STEPS, STEPS_PER_SECOND = 2000, 1e5
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
+
+JUMP_SHARE = 0.04
+"""Share of its errors that is left to a stem that jumps off a ramp: they shift the instant, and the jump is as fast."""
 
 FEW = 4
 """Events of one period that a steady stem meets without being followed further; most have one or two."""
@@ -81,6 +84,9 @@ def plan_run(p, state, driven_by, tolerance):
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     state.plan_current = driven_by == CURRENT
     state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
+    has_ramp = state.plan_moving == 1.0 or state.plan_varies == 1.0
+    # A search takes a jump that begins a moment early or late.
+    state.plan_share = JUMP_SHARE if has_ramp and breakaway_ratio(p) > 1.0 and not is_coarse(tolerance) else 1.0
 
 
 @apart(RECORDS, 4)
@@ -171,7 +177,7 @@ def slip_on(p, state, memory, pressure, time, duration, tolerance):
 @inlined
 def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
-    if state.plan_steady == 1.0 and glide(p, state, pressure, duration):
+    if state.plan_plain == 1.0 and glide(p, state, pressure, duration):
         follow_steadily(p, state)
     else:
         slip_on(p, state, memory, pressure, time, duration, tolerance)
@@ -200,7 +206,7 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
             move_stem(p, state, memory, state.pressure, now, left, tolerance)
             return
         length = lay_part(p, state, memory, drive, now, left, tolerance)
-        if state.plan_steady == 1.0 and glide_part(p, state, memory):
+        if state.plan_plain == 1.0 and glide_part(p, state, memory):
             follow_steadily(p, state)
         else:
             move_by_events(p, state, memory, now, 0.0, length, tolerance)

@@ -17,6 +17,7 @@ from valvemodel.stages.stem import (
     RISING,
     STUCK,
     breakaway_ratio,
+    fastest_drift,
     has_held_limit,
     highest_position,
     is_linear,
@@ -69,14 +70,17 @@ def plan_stem(p, state, tolerance):
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
     state.plan_response = 1.0 / max(own_rate, 1e-3)
     state.plan_longest = longest_step(p)
-    state.plan_steady = (
-        state.plan_linear == 1.0
-        and not varies_in_time(p)
+    state.plan_plain = (
+        state.plan_elastic == 0.0
+        and state.plan_varies == 0.0
         and p.area_slope == 0.0
         and p.area_curvature == 0.0
+        and p.spring_hardening == 0.0
+        and p.tight_spot_excess == 0.0
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
     state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
@@ -85,6 +89,7 @@ def plan_stem(p, state, tolerance):
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
+    state.plan_drift = fastest_drift(p)
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
@@ -92,7 +97,7 @@ def plan_stem(p, state, tolerance):
 
 @inlined
 def glide(p, state, pressure, duration):
-    """Move a steady stem through a duration if nothing happens in it, and return whether that was so.
+    """Move a stem of plain forces through a duration if nothing happens in it, and return whether that was so.
 
     Nothing happens while the stem stays stuck, or slips at no less than the stop speed at both ends: a speed has at
     most one zero, or its zeros are half a swing apart and the duration is shorter.
@@ -101,6 +106,8 @@ def glide(p, state, pressure, duration):
     if side == STUCK:
         net = p.diaphragm_area * pressure - p.spring_preload - p.spring_rate * state.position
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
+    if state.plan_steady == 0.0:
+        return False
     remember_glide(p, state, side, duration)
     # In a closed loop the pressure comes last; all else is summed before.
     push = p.diaphragm_area * pressure - (p.spring_preload + state.quiet_friction)
@@ -145,7 +152,7 @@ def foresee_glide(p, state, side, duration):
 
 @compiled
 def glide_part(p, state, memory):
-    """Move a steady stem through a part of moving pressure if nothing happens in it, and return whether that was so.
+    """Move a stem of plain forces through a part of moving pressure if nothing happens in it; return whether so.
 
     Between the nodes speed and pressure go beyond their values there by a part of their bends or of their range only.
     """
@@ -159,6 +166,8 @@ def glide_part(p, state, memory):
         can_rise = p.diaphragm_area * (highest + slack) - hold > state.plan_rising_friction * state.plan_ratio
         can_fall = p.diaphragm_area * (lowest - slack) - hold < -state.plan_falling_friction * state.plan_ratio
         return not (can_rise or can_fall)
+    if state.plan_steady == 0.0:
+        return False
     mass, speed = p.stem_mass, side * state.velocity
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
     remember_response(memory.responses[0], damping, p.spring_rate / mass, memory.part_spacing, count)
@@ -236,10 +245,10 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if state.plan_elastic == 1.0:
-        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
-            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
+        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
             return duration
         return advance_travel(p, state, memory, time, duration, tolerance)

@@ -63,16 +63,16 @@ def resistance_within(p, duration):
 
 
 @inlined
-def near_pressure(p, tolerance):
+def near_pressure(p, state, tolerance):
     """Return by how much a pressure may be off without being seen at the stem. [Pa]"""
-    return REST_SHARE * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
+    return REST_SHARE * state.plan_share * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
 
 
 @compiled
 def lay_part(p, state, memory, drive, time, left, tolerance):
     """Lay the pressure over the longest part that a polynomial carries, at most what is left; return its length. [s]"""
     count = COARSE_NODES if is_coarse(tolerance) else NODES
-    slack = near_pressure(p, tolerance)
+    slack = near_pressure(p, state, tolerance)
     length = left
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
@@ -83,7 +83,7 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
             continue
         fit_powers(count, memory.pressures, memory.part_powers)
         off = left_out(count, memory.part_powers) * p.diaphragm_area
-        allowed = PRESSURE_SHARE * tolerance * resistance_within(p, length)
+        allowed = PRESSURE_SHARE * state.plan_share * tolerance * resistance_within(p, length)
         if off <= allowed or length <= SHORTEST_PART:
             break
         # What is left out shrinks with a high power of the length.
@@ -132,7 +132,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
 def end_part(p, state, memory, drive, length, tolerance):
     """Take the stages to the end of the part that was laid; put them at rest where they have come near it."""
     count = int(memory.part_count)
-    near = near_pressure(p, tolerance)
+    near = near_pressure(p, state, tolerance)
     accept_currents(p, state, memory)
     is_near = abs(state.flux_current - drive) * p.supply_pressure <= near * CURRENT_SPAN and p.gap_drift_rate == 0.0
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:

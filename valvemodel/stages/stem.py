@@ -386,6 +386,14 @@ def varies_in_time(p):
 
 
 @compiled
+def fastest_drift(p):
+    """Return how fast the forces that hold a resting stem change at most under a held pressure. [N/s]"""
+    load = 2.0 * math.pi / p.load_period * (abs(p.load_sine) + abs(p.load_cosine))
+    roughest = p.coulomb_friction * (1.0 + abs(p.friction_asymmetry)) * (1.0 + max(p.tight_spot_excess, 0.0))
+    return load + breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
+
+
+@compiled
 def highest_position(p):
     """Return the upper end of the travel. [m]"""
     return min(min(p.travel_max, p.upper_stop), FARTHEST)

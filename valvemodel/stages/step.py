@@ -94,7 +94,8 @@ def sweep_step(p, state, memory, length, count, tolerance):
     else:
         lay_motion(memory, count)
     share = SWING_SHARE if state.plan_elastic == 1.0 else STEP_SHARE
-    moved, left, allowed = math.inf, math.inf, share * tolerance
+    usable = share * state.plan_share * tolerance
+    moved, left, allowed = math.inf, math.inf, usable
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
         way, speed = memory.ways[count], memory.speeds[count]
@@ -105,7 +106,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
         left = 0.0 if is_linear else moved * min(moved / before, 1.0) if before < math.inf else moved
         if memory.step_damping < 0.0:
             extent = abs(memory.ways[count]) + state.plan_response * abs(memory.speeds[count])
-            allowed = min(share * tolerance, ROUGH * extent)
+            allowed = min(usable, ROUGH * extent)
         if left <= STANDING * allowed:
             break
     else:
