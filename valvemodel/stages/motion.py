@@ -10,7 +10,7 @@ from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
-from valvemodel.stages.series import advance_series
+from valvemodel.stages.series import advance_falling, advance_series
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
@@ -80,6 +80,7 @@ def plan_stem(p, state, tolerance):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    state.plan_falling = state.plan_plain == 1.0 and p.stribeck_ratio > 1.0 and p.stribeck_shape == 1.0
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
@@ -263,6 +264,8 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, time) == STUCK:
         come_to_rest(state)
         return 0.0
+    if state.plan_falling == 1.0:
+        return advance_falling(p, state, memory, time, pressure, duration, tolerance)
     return advance_travel(p, state, memory, time, duration, tolerance)
 
 
