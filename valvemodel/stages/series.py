@@ -59,7 +59,8 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
     order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, OF_WAY, bound)
     share = carried_share(memory, order, bound)
-    share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound)
+    if (speed + max(start, 0.0) * step) * step > FADING * reach:
+        share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound)
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     has_stopped = rate_at(memory, order, share) <= 0.0
     if has_stopped:
