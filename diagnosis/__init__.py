@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from valvemodel.doors import door
 
 if TYPE_CHECKING:
     from diagnosis.by_kind import diagnose
@@ -13,12 +14,4 @@ _HOMES = {"Cause": "diagnosis.diagnosing", "Diagnosis": "diagnosis.diagnosing", 
 
 __all__ = ["Cause", "Diagnosis", "diagnose"]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'diagnosis' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = door(__name__, _HOMES)

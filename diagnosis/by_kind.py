@@ -50,13 +50,13 @@ def diagnose(
         If a candidate is no effect or chosen for a stem alone, or a single record is too short to keep a part back.
     """
     records = [records] if isinstance(records, Record) else list(records)
+    if model is None:
+        valve = read_valve("calibrated")
+        model = Model(valve.name, valve.values)
     if not all(record.kind == "stem" for record in records):
         return diagnose_valve(records, model, candidates=candidates, jobs=jobs, progress=progress)
     if candidates is not None:
         raise InputError("candidates are chosen for records with current", "these have force", "leave them out")
     from diagnosis.stem_only import diagnose_stem_records
 
-    if model is None:
-        valve = read_valve("calibrated")
-        model = Model(valve.name, valve.values)
     return diagnose_stem_records(records, model, progress=progress)

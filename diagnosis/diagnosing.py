@@ -21,6 +21,7 @@ from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
+from diagnosis.stairs import with_stairs
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
@@ -33,7 +34,6 @@ from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
-from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import NextExperiment
@@ -203,50 +203,27 @@ class Diagnosis(Told):
 
 
 def diagnose(
-    records: Record | Sequence[Record],
-    model: Model | None = None,
+    records: Sequence[Record],
+    model: Model,
     *,
     candidates: Sequence[str] | None = None,
     jobs: int | None = None,
     progress: Progress = lambda what, share: None,
 ) -> Diagnosis:
-    """Find where and why a valve and its model disagree.
+    """Find where and why a valve and its model disagree, from records with current; `diagnosis.diagnose` is the door.
 
-    Parameters
-    ----------
-    records : Record or sequence of Record
-        Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
-    model : Model
-        The valve as given, by default the set `calibrated`; its base parameters are where the refit begins.
-    candidates : sequence of str or None
-        Keys of the effects that may be the cause; by default all that the records can show.
-    jobs : int or None
-        Processes; by default one a core.
-    progress : callable
-        Called with what is being done and a share of it from 0 to 1.
-
-    Returns
-    -------
-    Diagnosis
-
-    Raises
-    ------
-    InputError
-        If a candidate is no effect, or a single record is too short to keep a part of it back.
+    Parameters, errors and what they mean are the door's.
     """
-    records = [records] if isinstance(records, Record) else records
-    if model is None:
-        valve = read_valve("calibrated")
-        model = Model(valve.name, valve.values)
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
     library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    experiments, slowness = with_sampling_error(experiments, base)
-    if slowness:
-        holdout = hold_out(experiments)
+    noisier, slowness = with_sampling_error(experiments, base)
+    judged = with_stairs(noisier, base)
+    if judged != experiments:
+        experiments, holdout = judged, hold_out(judged)
         base = fit_base(model, holdout.experiments, holdout.fitted)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:

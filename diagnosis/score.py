@@ -11,6 +11,9 @@ from identification.experiment import Simulated
 from identification.fit import Fit
 from identification.holdout import Holdout
 
+LOST = 1.0
+"""Error that counts where a run breaks off. [m]"""
+
 RESAMPLES = 1000
 """Resamples of the block bootstrap."""
 
@@ -80,12 +83,12 @@ def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
     """Compare simulated positions and pressures, one row each, with the samples that were kept back."""
     squares, weighted, counts, persistence = [], [], [], [1.0]
     for experiment, one, mask in zip(holdout.scored_experiments, simulated, holdout.scored, strict=True):
-        error = np.where(mask, experiment.position - one.position[0], 0.0)
-        error = np.where(np.isfinite(error), error, 1.0)
+        position = np.where(np.isfinite(one.position[0]), one.position[0], experiment.position + LOST)
+        error = np.where(mask, experiment.position - position, 0.0)
         blocks = np.unique(experiment.block[mask])
         last = experiment.block.max() + 1
         by_block = np.bincount(experiment.block, error**2, last)[blocks]
-        total = by_block / experiment.noise**2
+        total = np.bincount(experiment.block, np.where(mask, experiment.errors_of(position), 0.0) ** 2, last)[blocks]
         if experiment.pressure is not None:
             off = np.where(mask, (experiment.pressure - one.pressure[0]) / experiment.pressure_noise, 0.0)
             total = total + np.bincount(experiment.block, off**2, last)[blocks]

@@ -80,15 +80,27 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Work:
-    """One extension to be tried: a fit, the cause with the new effect last, and known values of the new effect.
+    """One extension to be tried.
 
-    `is_global` says whether an effect whose error has many minima is searched for globally, which takes seconds.
+    Attributes
+    ----------
+    fit : Fit
+        Of the cause without its last effect.
+    effects : tuple of str
+        The cause.
+    is_global : bool
+        Whether the last effect is searched for globally, which takes seconds where the error has many minima.
+    known : dict or None
+        Values of it from another fit, one more start. [SI]
+    kin : Fit or None
+        The fit extended by a kindred effect.
     """
 
     fit: Fit
     effects: tuple[str, ...]
+    is_global: bool
     known: dict[str, float] | None = None
-    is_global: bool = False
+    kin: Fit | None = None
 
 
 @contextmanager
@@ -107,21 +119,14 @@ def workers(jobs: int | None = None) -> Iterator[Executor | None]:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def try_effect(
-    fit: Fit,
-    effects: tuple[str, ...],
-    holdout: Holdout,
-    known: dict[str, float] | None = None,
-    *,
-    is_global: bool = True,
-) -> Candidate:
-    """Extend a fit by the last of a cause's effects, from known values of it too, and score it."""
+def try_effect(work: Work, holdout: Holdout) -> Candidate:
+    """Extend a fit by the last of a cause's effects and score it."""
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        extended = extend(fit, effects[-1], known, is_global=is_global)
-        freedom = sum(len(effect_of_key(key).fitted) for key in effects)
-        return Candidate(effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
+        extended = extend(work.fit, work.effects[-1], work.known, kin=work.kin, is_global=work.is_global)
+        freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
+        return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:
@@ -147,16 +152,18 @@ def select(
 def try_alone(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try every effect alone; those that need a global search come last, and only where no other explains the gap."""
+    """Try every effect alone; those that need a global search come last, and only where no other explains the gap.
+
+    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found.
+    """
     tried = [base]
     has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
         if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
             break
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
-        tried += try_all(
-            [Work(base.fit, (key,), is_global=True) for key in keys], holdout, pool, progress, "effects one by one"
-        )
+        work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
+        tried += try_all(work, holdout, pool, progress, "effects one by one")
     return tried
 
 
@@ -206,18 +213,40 @@ def extensions(
     work: list[Work] = []
     for leader in leaders:
         is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
-        for key in shortlist(leader.fit, single, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
+        certain = stopping(leader.fit, single)
+        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
-                work.append(Work(leader.fit, effects, single[key]))
+                is_global = key in certain and not effect_of_key(key).is_chaotic
+                work.append(Work(leader.fit, effects, is_global, single[key]))
     return work
 
 
+def stopping(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
+    """Return the effects that make a stem stop again and again, where a record shows that and a fit does not."""
+    if any(effect_of_key(key).stops_again for key in fit.model.effects) or not stops_seen(fit):
+        return []
+    return [key for key in single if effect_of_key(key).stops_again]
+
+
 def rounds(library: Sequence[Effect]) -> list[list[str]]:
-    """Return the keys in the order of trying: first what a local search finds, then what needs a global one."""
-    keys = [[effect.key for effect in library if effect.is_jagged == is_jagged] for is_jagged in (False, True)]
+    """Return the keys in the order of trying: what a local search finds, what takes a global one, what takes long."""
+    kinds = ((False, False), (True, False), (True, True))
+    keys = [[each.key for each in library if (each.is_jagged, each.is_chaotic) == kind] for kind in kinds]
     return [each for each in keys if each]
+
+
+def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops: bool) -> Work:
+    """Return how an effect is tried alone: globally, but for one that leaves the stops of a record unexplained."""
+    is_global = not (has_stops and effect.is_jagged and not effect.stops_again)
+    return Work(base, (effect.key,), is_global, kin=kin_of(effect, tried))
+
+
+def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
+    """Return the fit with an effect's alias, for an effect whose runs take long; None where there is none."""
+    kin = [each.fit for each in tried if effect.is_chaotic and set(each.effects) & set(effect.aliases)]
+    return kin[0] if kin else None
 
 
 def stops_seen(fit: Fit) -> bool:
@@ -248,15 +277,13 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
     return [effect for effect in named if not (is_loop and effect.acts_in_time)]
 
 
-def shortlist(fit: Fit, single: dict[str, dict[str, float]], count: int) -> list[str]:
-    """Return the effects that promise most on what a fit leaves over, one that needs a global search among them."""
+def shortlist(fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int) -> list[str]:
+    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case."""
     keys = [key for key in single if key not in fit.model.effects]
     gains = {
         key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
     }
     order = sorted(keys, key=lambda key: -gains[key])
-    has_cause = any(effect_of_key(key).stops_again for key in fit.model.effects)
-    certain = [key for key in keys if effect_of_key(key).stops_again] if not has_cause and stops_seen(fit) else []
     return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
 
 
@@ -267,13 +294,8 @@ def try_all(
     done: list[Candidate] = []
     jobs: list[Future[Candidate]] = []
     if pool is not None:
-        jobs = [pool.submit(try_work, each, holdout) for each in work]
+        jobs = [pool.submit(try_effect, each, holdout) for each in work]
     for number, each in enumerate(work):
         progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
-        done.append(jobs[number].result() if jobs else try_work(each, holdout))
+        done.append(jobs[number].result() if jobs else try_effect(each, holdout))
     return done
-
-
-def try_work(work: Work, holdout: Holdout) -> Candidate:
-    """Try one extension."""
-    return try_effect(work.fit, work.effects, holdout, work.known, is_global=work.is_global)

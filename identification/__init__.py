@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from valvemodel.doors import door
 
 if TYPE_CHECKING:
     from identification.outcome import Outcome, fit_records
@@ -12,12 +13,4 @@ _HOMES = {"Outcome": "identification.outcome", "fit_records": "identification.ou
 
 __all__ = ["Outcome", "fit_records"]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'identification' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = door(__name__, _HOMES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,6 +57,8 @@ class Experiment:
         Whether the time is made up: settled pairs without one.
     is_ramped : bool
         Whether the current of a loop ramps slowly from value to value, instead of stepping.
+    reach : float [noise]
+        Error of the position far beyond which a sample counts by the logarithm; infinite for plain squares.
     """
 
     name: str
@@ -68,6 +71,7 @@ class Experiment:
     block: np.ndarray
     is_loop: bool = False
     is_ramped: bool = False
+    reach: float = math.inf
 
     @cached_property
     def anchors(self) -> np.ndarray:
@@ -93,6 +97,13 @@ class Experiment:
             if spread[quietest] < 2.0 * self.noise:
                 anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
         return anchors
+
+    def errors_of(self, position: np.ndarray) -> np.ndarray:
+        """Return measured less simulated positions, shape (..., n), as they count: squared and summed. [noise]"""
+        error = (self.position - position) / self.noise
+        if math.isinf(self.reach):
+            return error
+        return np.copysign(self.reach * np.sqrt(np.log1p((error / self.reach) ** 2)), error)
 
     @property
     def first_reading(self) -> float:
@@ -196,14 +207,14 @@ def score_rows(
     anchors: np.ndarray = runs.FREE,
     in_closed_form: bool = False,
 ) -> np.ndarray:
-    """Return what each row of numbers misses of the positions that count, squared and summed, shape (rows,). [m^2]"""
-    measured = np.where(used, experiment.position, np.nan)
+    """Return the sum of the squared errors that count of each row of numbers, shape (rows,). [noise^2]"""
     if experiment.is_loop and in_closed_form:
-        return np.nansum((_settled(experiment, rows).position - measured) ** 2, axis=1)
+        return np.nansum(np.where(used, experiment.errors_of(_settled(experiment, rows).position), np.nan) ** 2, axis=1)
+    measured = np.where(used, experiment.position, np.nan)
     sums = np.empty(len(rows))
     rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
     runs.score_rows(
-        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, anchors,
-        chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
+        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
+        experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
     )  # fmt: skip
-    return sums
+    return sums / experiment.noise**2

@@ -22,9 +22,9 @@ KEPT_STARTS = 2
 WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
-SEARCH_SIZE = 3
-SEARCH_GENERATIONS, CHAOTIC_GENERATIONS = 70, 30
-"""Points of a global search for each unknown, and generations: fewer where a run takes long and ends nowhere exact."""
+QUICK, USUAL, CHAOTIC = (8, 80), (3, 70), (3, 30)
+"""Points of a global search for each unknown, and generations: more where a run has a closed form, fewer where it takes
+long and ends nowhere exact."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,14 @@ SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
 
+WORTH_FOLLOWING = 0.5
+"""Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
+
+
 @threadpool_limits.wrap(limits=1)
-def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_global: bool = True) -> Fit:
+def extend(
+    fit: Fit, key: str, known: dict[str, float] | None = None, *, kin: Fit | None = None, is_global: bool = True
+) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
     Parameters
@@ -58,6 +64,9 @@ def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_glob
         The effect.
     known : dict or None
         Values of the effect from another fit, one more start. [SI]
+    kin : Fit or None
+        The fit extended by a kindred effect: where that explains much, its base valve is the start, in place of a
+        global search.
     is_global : bool
         Whether an effect whose error has many minima is searched for globally, which takes seconds, and whether each
         choice of a number that no fit moves is followed on its own.
@@ -69,6 +78,8 @@ def extend(fit: Fit, key: str, known: dict[str, float] | None = None, *, is_glob
         nothing.
     """
     effect = effect_of_key(key)
+    if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
+        return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
     if effect.is_jagged and is_global and trials[0].gain > 0.0:
         searched = [search_jagged(fit, effect, group) for group in alike(effect, trials)]
@@ -88,6 +99,19 @@ def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:
     begun = [(problem, descend(problem, point, evaluations=5, precision=1e-3)) for problem, point in starts]
     problem, best = min(begun, key=lambda pair: pair[1].error)
     return problem, descend(problem, best.point, evaluations=10, precision=1e-3)
+
+
+def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:
+    """Follow the best starts of an effect down from the base valve that was fitted with a kindred one."""
+    known = kin.found.point[: len(fit.unknowns)]
+    starts = starts_of(effect, list(fit.problem.experiments), residual_positions(fit))
+    begun = [joined(fit.problem, known, effect, start) for start in starts]
+    begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
+    found = [
+        (problem, descend(problem, point, evaluations=8, precision=1e-3)) for problem, point in begun[:KEPT_STARTS]
+    ]
+    problem, best = min(found, key=lambda pair: pair[1].error)
+    return problem, descend(problem, best.point, evaluations=15, precision=1e-4)
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:
@@ -148,9 +172,10 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
-    generations = CHAOTIC_GENERATIONS if effect.is_chaotic else SEARCH_GENERATIONS
+    is_quick = effect.stops_again and not fit.model.effects
+    size, generations = CHAOTIC if effect.is_chaotic else QUICK if is_quick else USUAL
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
-        best = roam(each, origin, shape, box, size=SEARCH_SIZE, generations=generations)
+        best = roam(each, origin, shape, box, size=size, generations=generations, enough=problem.noise_error)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:
@@ -181,7 +206,8 @@ def promise(
     """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
     problem, point = joined(fit.problem, fit.found.point, effect, start)
     samples, known = len(left) - len(fit.found.point), len(fit.found.point)
-    there = problem.residuals(point[None, :])[0][: samples + known]
+    residual = problem.residuals(point[None, :])[0]
+    there = residual[: samples + known]
     change = there - left
     change -= basis @ (basis.T @ change)
     size = float(change @ change)
@@ -189,7 +215,7 @@ def promise(
     answered = point.copy()
     answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ there), -ANSWER, ANSWER)
     answered = np.clip(answered, *problem.bounds)
-    before, after = errors(problem, np.stack([point, answered]))
+    before, after = 0.5 * float(residual @ residual), float(errors(problem, answered[None, :])[0])
     gained = 2.0 * (fit.found.error - min(before, after))
     return Trial(problem, answered if after < before else point, max(linear, gained))
 

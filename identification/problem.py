@@ -79,7 +79,7 @@ class Problem:
         parts = []
         for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
             simulated = self.simulated(points, number)
-            parts.append((experiment.position[used] - simulated.position[:, used]) / experiment.noise)
+            parts.append(experiment.errors_of(simulated.position)[:, used])
             if experiment.pressure is not None:
                 parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
         parts.append(points / self.prior_spreads)

@@ -19,6 +19,10 @@ SETTLING_REACH, SETTLING_EVALUATIONS = 0.1, 50
 """First size of a simplex, in changes of the residual over the residual, and its evaluations for each unknown."""
 
 
+CONVERGED = 1e-2
+"""Spread of the errors of a global search's points, over their mean, at which a local search goes on."""
+
+
 @dataclass(frozen=True)
 class Found:
     """Where a search ended: the scaled point and its error (half the sum of squared residuals)."""
@@ -62,7 +66,7 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
     for number, (experiment, used) in enumerate(zip(problem.experiments, problem.used, strict=True)):
         anchors = experiment.anchors if problem.is_anchored else runs.FREE
         rows = problem.rows(points, number)
-        missed = score_rows(
+        sums += score_rows(
             experiment,
             used,
             rows,
@@ -70,7 +74,6 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             anchors=anchors,
             in_closed_form=problem.settles,
         )
-        sums += missed / experiment.noise**2
     return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 
 
@@ -119,7 +122,7 @@ def roam(
         box,
         popsize=size,
         maxiter=generations,
-        tol=1e-9,
+        tol=CONVERGED,
         mutation=(0.4, 0.9),
         recombination=0.9,
         callback=end_early,

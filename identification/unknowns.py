@@ -81,9 +81,10 @@ def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
 
 
 def unknown_of(parameter: Parameter) -> Unknown:
-    """Return the unknown of one parameter of an effect, scaled by its smallest start or its typical value."""
-    numbers = [abs(each) for each in (*parameter.starts, parameter.typical) if isinstance(each, float) and each != 0.0]
-    sizes = [size for size in numbers if math.isfinite(size)]
+    """Return the unknown of one parameter of an effect, scaled by its smallest start, or else by its typical value."""
+    starts = [each for each in parameter.starts if isinstance(each, float) and each != 0.0]
+    numbers: list[float] = starts or [parameter.typical or 0.0]
+    sizes = [abs(each) for each in numbers if each != 0.0 and math.isfinite(each)]
     size = min(sizes) if sizes else 0.1 * (parameter.high - parameter.low)
     if parameter.scale == "log":
         return Unknown(parameter.name, parameter.unit, size, size, True, parameter.low, parameter.high)

@@ -26,7 +26,6 @@ from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_curre
 from valvemodel.stages.motion import remember_glide
 from valvemodel.stages.nozzle import advance_nozzle, static_pressure
 from valvemodel.stages.sensor import read_sensor, reads_plainly
-from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK
 
 NONE = np.zeros((0, 0))
@@ -67,6 +66,7 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
     """Move a steady stem along all samples and write down the linkage; what is no glide goes event by event."""
     area, preload, stiffness = p.diaphragm_area, p.spring_preload, p.spring_rate
     play, lowest, highest = p.backlash_half_width, state.plan_lowest, state.plan_highest
+    stick_speed = p.stick_speed
     hold_low = -state.plan_falling_friction * state.plan_ratio
     hold_high = state.plan_rising_friction * state.plan_ratio
     position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
@@ -84,12 +84,12 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
             yy, yv, yf = state.quiet_yy, state.quiet_yv, state.quiet_yf
             vy, vv, vf = state.quiet_vy, state.quiet_vv, state.quiet_vf
             friction = state.quiet_friction
-            while side * velocity >= STOP_SPEED and whole_duration(time[sample + ONE] - time[sample]) == duration:
+            while side * velocity >= stick_speed and whole_duration(time[sample + ONE] - time[sample]) == duration:
                 push = area * pressures[sample] - (preload + friction)
                 end = (yy * position + yv * velocity) + yf * push
                 speed = (vy * position + vv * velocity) + vf * push
                 # Not `and`: one branch that is foreseen is cheaper than three.
-                if not ((side * speed >= STOP_SPEED) & (lowest <= end) & (end <= highest)):
+                if not ((side * speed >= stick_speed) & (lowest <= end) & (end <= highest)):
                     break
                 position, velocity = end, speed
                 linkage = min(max(linkage, position - play), position + play)
@@ -186,8 +186,16 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
         run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row])
 
 
+@inlined
+def tempered_square(error, reach):
+    """Return the square of an error that counts, far beyond a reach, by its logarithm alone."""
+    if math.isinf(reach):
+        return error * error
+    return reach * reach * math.log1p((error / reach) ** 2)
+
+
 @compiled
-def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by, tolerance, readings, sums):
+def score_rows(rows, states, memories, time, drive, measured, reach, anchors, driven_by, tolerance, readings, sums):
     """Run each row of numbers and keep the sum of its squared errors alone.
 
     Parameters
@@ -197,6 +205,8 @@ def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by
         Overwritten by one row after the other, as are `memories` and `readings`.
     measured : array, shape (m,) [m]
         NaN where nothing was measured.
+    reach : float [m]
+        Error far beyond which a sample counts by the logarithm; infinite for plain squares.
     readings : array, shape (1, m) [m]
     sums : array, shape (n,) [m^2]
         Overwritten.
@@ -210,8 +220,7 @@ def score_rows(rows, states, memories, time, drive, measured, anchors, driven_by
         total = 0.0
         for sample in range(time.shape[0]):
             if not math.isnan(measured[sample]):
-                error = readings[0, sample] - measured[sample]
-                total += error * error
+                total += tempered_square(readings[0, sample] - measured[sample], reach)
         sums[row] = total
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.ceiling import ceiling_of
 from diagnosis.score import closed_share
-from diagnosis.selection import stops_seen, try_effect
+from diagnosis.selection import Work, stops_seen, try_effect
 from diagnosis.sham import control_of, shams_on, smooth_noise
 
 
@@ -21,7 +21,7 @@ def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):
 def test_no_sham_wins_beside_the_effect_that_is_there(quiet, refitted):
     creep = 4e-3 * quiet.time / quiet.time[-1]
     base, holdout = refitted(quiet, creep)
-    drift = try_effect(base.fit, ("sensor_drift",), holdout)
+    drift = try_effect(Work(base.fit, ("sensor_drift",), True), holdout)
     assert drift.score.misfit < 0.5 * base.score.misfit
     assert control_of([base, drift], holdout, "free").probability < 1e-3
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.next_experiment import SEGMENTS, Limits, first_designs, next_experiment, profile_of
-from diagnosis.selection import Candidate, try_effect
+from diagnosis.selection import Candidate, Work, try_effect
 from diagnosis.separation import blank_experiment, least_separation, rival_of, separations
 from identification.experiment import Experiment
 from identification.fit import fit_base, fitted_to_all, measured, simulate_model
@@ -53,7 +53,7 @@ def creeping(quiet, refitted) -> Answer:
     lagged = np.interp(short.time - 0.08, short.time, short.position) - short.position
     base, holdout = refitted(short, lagged)
     keys = [("sensor_lag",), ("transport_delay",)]
-    tried = [base, *(try_effect(base.fit, effects, holdout) for effects in keys)]
+    tried = [base, *(try_effect(Work(base.fit, effects, True), holdout) for effects in keys)]
     return Answer(keys[0], keys[1:], tried, list(holdout.experiments))
 
 

@@ -216,7 +216,10 @@ class IndependentChain:
 
                 def rest(t, x):
                     sides = (holds(t, x, 1), holds(t, x, -1))
-                    return max(side * x[SPEED] / STOP_SPEED - 1.0, -min(sides) / self.coulomb_friction)
+                    excess = max(side * x[SPEED] / self.stick_speed - 1.0, -min(sides) / self.coulomb_friction)
+                    if self.stick_speed == STOP_SPEED:
+                        return excess
+                    return max(excess, side * self.rates(t, x, current)[SPEED])
 
                 events["rest"] = rest
             if self.drag != side:

@@ -104,7 +104,7 @@ def test_slip_end_is_the_later_of_the_two_instants(name, excess):
     if name == "weak spring":
         acceleration = -9.0
     high = 20.0 if name == "weak spring" else 0.5
-    end = slip_end(*(*slip, speed, acceleration, excess, high))
+    end = slip_end(*slip, speed, acceleration, excess, STOP_SPEED, high)
     with mp.workdps(40):
 
         def beyond(t):

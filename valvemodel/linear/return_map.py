@@ -22,7 +22,6 @@ from valvemodel.linear.rates import (
     shown,
     static_pressure_at,
 )
-from valvemodel.stages.slip import STOP_SPEED
 
 COVERED = frozenset(
     {
@@ -187,7 +186,7 @@ class _Course:
         """Follow a slip to its stop; false where there is none."""
 
         def stops(time: float, states: np.ndarray) -> float:
-            return side * states[VELOCITY] - STOP_SPEED
+            return float(side * states[VELOCITY] - self._p["stick_speed"])
 
         reached = self._flow(side, [stops], -1.0)
         self._states[VELOCITY] = 0.0

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from valvemodel.reference.air import Pressure, moves
 from valvemodel.reference.flow import State, flow
 from valvemodel.reference.instant import first_instant
-from valvemodel.reference.motion import CREEP, HELD, end_slip
+from valvemodel.reference.motion import HELD, end_slip, hard_stop
 from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
     STOP_SPEED,
@@ -61,7 +61,7 @@ class CurvedStem:
 
     def move(self, begin: float, left: float) -> tuple[Motion, float]:
         """Move until the next event or the end of what is left; return the motion and how long it takes."""
-        if abs(self.velocity) < STOP_SPEED and self.is_held(begin, self.position):
+        if self.sticks(begin):
             self.come_to_rest(self.position)
             position = self.position
             return lambda _: (position, 0.0), self.time_held(begin, left)
@@ -79,6 +79,13 @@ class CurvedStem:
         if has_stopped:
             end_slip(self)
         return motion, lasted
+
+    def sticks(self, instant: float) -> bool:
+        """Return whether a slip has ended: it is held, and creeps or slows down below the stick speed."""
+        speed = abs(self.velocity)
+        if speed >= self.numbers.stick_speed or not self.is_held(instant, self.position):
+            return False
+        return speed < STOP_SPEED or self.side * self.acceleration(instant, self.position, self.velocity) < 0.0
 
     def acceleration(self, instant: float, position: float, velocity: float) -> float:
         """Return the acceleration of a slip, eq. (6), friction falling with the speed (Stribeck). [m/s^2]"""
@@ -121,7 +128,8 @@ class CurvedStem:
         if speed < 0.0 or is_beyond:
             return True
         slowing = self.side * self.acceleration(instant, position, velocity)
-        return speed < STOP_SPEED and -CREEP < slowing < 0.0 and self.is_held(instant, position)
+        is_creep = speed < self.numbers.stick_speed and -hard_stop(self.numbers) < slowing < 0.0
+        return is_creep and self.is_held(instant, position)
 
     def come_to_rest(self, position: float) -> None:
         """End a slip at a position."""

@@ -24,11 +24,17 @@ from valvemodel.reference.stem import (
 if TYPE_CHECKING:
     from valvemodel.reference.curved import CurvedStem
 
-CREEP = 1.0
-"""A slip that slows down harder than this stops at speed 0, a picometre further at most. [m/s^2]"""
+PAST_STICKING = 1e-12
+"""Way between the stick speed and speed 0 that is too short to be looked at. [m]"""
 
 HELD = 1.0 + 1e-12
 """Friction holds this share of its breakaway force, lest rounding decide."""
+
+
+def hard_stop(n: SimpleNamespace) -> float:
+    """Return how hard a slip slows down that stops at speed 0, hardly further than where it may stick. [m/s^2]"""
+    speed: float = n.stick_speed
+    return speed * speed / PAST_STICKING
 
 
 def end_slip(stem: Stem | CurvedStem) -> None:
@@ -60,7 +66,7 @@ class Stem:
 
     def move(self, pressure: float, left: float) -> tuple[Motion, float]:
         """Move until the next event or the end of what is left; return the motion and how long it takes."""
-        if abs(self.velocity) < STOP_SPEED and self.is_held(self.position, pressure):
+        if self.sticks(pressure):
             self.come_to_rest(self.position)
             position = self.position
             return lambda _: (position, 0.0), left
@@ -86,6 +92,13 @@ class Stem:
             end_slip(self)
         return motion, used
 
+    def sticks(self, pressure: float) -> bool:
+        """Return whether a slip has ended: it is held, and creeps or slows down below the stick speed."""
+        speed = abs(self.velocity)
+        if speed >= self.numbers.stick_speed or not self.is_held(self.position, pressure):
+            return False
+        return speed < STOP_SPEED or self.side * self.acceleration(self.position, self.velocity, pressure) < 0.0
+
     def acceleration(self, position: float, velocity: float, pressure: float) -> float:
         """Return the acceleration of a slip, eq. (6). [m/s^2]"""
         n, side = self.numbers, self.side
@@ -103,8 +116,9 @@ class Stem:
     def has_ended(self, pressure: float, position: float, velocity: float) -> bool:
         """Return whether a slip is beyond the travel, or has slowed down to a creep where friction holds the stem."""
         is_beyond = position > self.highest if self.side > 0.0 else position < self.lowest
-        is_slow = self.side * velocity < STOP_SPEED
-        is_creep = is_slow and -CREEP < self.side * self.acceleration(position, velocity, pressure) < 0.0
+        is_slow = self.side * velocity < self.numbers.stick_speed
+        slowing = self.side * self.acceleration(position, velocity, pressure)
+        is_creep = is_slow and -hard_stop(self.numbers) < slowing < 0.0
         return is_beyond or (is_creep and self.is_held(position, pressure))
 
     def come_to_rest(self, position: float) -> None:

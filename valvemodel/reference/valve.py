@@ -9,9 +9,9 @@ from valvemodel.reference.air import Air
 from valvemodel.reference.bristles import BristleStem
 from valvemodel.reference.curved import CurvedStem, curves, varies
 from valvemodel.reference.electromagnet import Electromagnet
-from valvemodel.reference.motion import STOP_SPEED, Stem
+from valvemodel.reference.motion import Stem
 from valvemodel.reference.sensor import Sensor, straightened, zero_drift
-from valvemodel.reference.stem import balanced_position
+from valvemodel.reference.stem import STOP_SPEED, balanced_position
 
 
 class Valve:

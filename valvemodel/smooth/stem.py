@@ -62,7 +62,7 @@ def time_in_slip(p: Any, x: Any, pressure: Expression, time: Expression, duratio
     slope = stiffness(p, side, x.position, pressure, time)
     slips = ca.fmin(stop_time(p.stem_mass, damping(p, side), slope, speed, net), duration)
     if "static_friction" in p.effects:
-        stop_speed = STOP_SPEED + SPEED_PER_WIDTH * p.smoothing_width
+        stop_speed = p.stick_speed + SPEED_PER_WIDTH * p.smoothing_width
         jump = (p.static_friction_ratio - 1.0) * p.coulomb_friction
         # A creep counts as a stay only where a stay is held by more than a slip.
         matters = jump / (jump + p.smoothing_width)

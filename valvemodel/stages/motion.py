@@ -9,7 +9,7 @@ from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
-from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, time_stuck
+from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
@@ -34,8 +34,8 @@ from valvemodel.stages.travel import MEETING, TOUCHING, advance_travel
 HOLD = 1e-12
 """Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
 
-HARD_STOP = 1.0
-"""A deceleration that leaves less than 1e-12 m between the stop speed and 0. [m/s^2]"""
+PAST_STICKING = 1e-12
+"""Way between the stick speed and speed 0 that is too short to be looked at. [m]"""
 
 RESOLVED = 0.25
 """Longest step over the period of a load, or over the time constant of a drift."""
@@ -81,6 +81,8 @@ def plan_stem(p, state, tolerance):
         and p.sensor_time_constant == 0.0
     )
     state.plan_falling = state.plan_plain == 1.0 and p.stribeck_ratio > 1.0 and p.stribeck_shape == 1.0
+    if p.stick_speed > STOP_SPEED:
+        state.plan_falling = 0.0
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
@@ -90,6 +92,7 @@ def plan_stem(p, state, tolerance):
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.plan_drift = fastest_drift(p)
+    state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
@@ -114,8 +117,8 @@ def glide(p, state, pressure, duration):
     position = (state.quiet_yy * state.position + state.quiet_yv * state.velocity) + state.quiet_yf * push
     velocity = (state.quiet_vy * state.position + state.quiet_vv * state.velocity) + state.quiet_vf * push
     is_quiet = (
-        side * state.velocity >= STOP_SPEED
-        and side * velocity >= STOP_SPEED
+        side * state.velocity >= p.stick_speed
+        and side * velocity >= p.stick_speed
         and state.plan_lowest <= position <= state.plan_highest
     )
     if is_quiet:
@@ -183,7 +186,7 @@ def glide_part(p, state, memory):
         lowest = min(lowest, speeds[node])
         bend = max(bend, speeds[node - 1] - 2.0 * speeds[node] + speeds[node + 1])
     position = state.position + side * memory.ways[count]
-    is_quiet = lowest - 0.5 * bend >= STOP_SPEED and state.plan_lowest <= position <= state.plan_highest
+    is_quiet = lowest - 0.5 * bend >= p.stick_speed and state.plan_lowest <= position <= state.plan_highest
     if is_quiet:
         state.position, state.velocity = position, side * speeds[count]
     return is_quiet
@@ -261,7 +264,7 @@ def advance_stem(p, state, memory, time, duration, tolerance):
             return time_stuck(p, state, memory, time, duration, tolerance)
         state.velocity = 0.0
         state.mode = side
-    elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, time) == STUCK:
+    elif sticks(p, state, pressure, time):
         come_to_rest(state)
         return 0.0
     if state.plan_falling == 1.0:
@@ -279,7 +282,7 @@ def advance_held(p, state, pressure, duration):
             return duration
         state.velocity = 0.0
         state.mode = side
-    elif abs(state.velocity) < STOP_SPEED and breakaway_side(p, state, pressure, 0.0) == STUCK:
+    elif sticks(p, state, pressure, 0.0):
         come_to_rest(state)
         return 0.0
     return advance_slip(p, state, pressure, duration, breaks_away)
@@ -372,14 +375,14 @@ def advance_slip(p, state, pressure, duration, breaks_away):
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     if not way <= room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
-    is_slow = next_speed < STOP_SPEED and (not has_stopped or next_acceleration > -HARD_STOP)
+    is_slow = next_speed < p.stick_speed and (not has_stopped or next_acceleration > -state.plan_hard_stop)
     if is_slow and state.plan_elastic == 0.0 and next_acceleration < 0.0:
         breakaway = state.plan_ratio * coulomb
         if abs(coulomb + viscous * next_speed + mass * next_acceleration) <= breakaway:
             has_stopped = True
             # Well inside what holds it, or rounding would let it break away anew.
             excess = coulomb * (1.0 - breakaway_ratio(p) * (1.0 + 0.5 * HOLD))
-            step = slip_end(mass, viscous, stiffness, speed, start, excess, step)
+            step = slip_end(mass, viscous, stiffness, speed, start, excess, p.stick_speed, step)
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start

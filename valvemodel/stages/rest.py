@@ -8,7 +8,7 @@ from valvemodel.compiled import compiled
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.slip import STOP_SPEED
-from valvemodel.stages.stem import FALLING, RISING, STUCK, sliding_friction, thrust
+from valvemodel.stages.stem import FALLING, RISING, STUCK, sliding_friction, stribeck_excess, thrust
 
 BRACKET = 1e-15
 """Share of the time by which a breakaway is located."""
@@ -46,6 +46,22 @@ def breakaway_side(p, state, pressure, time):
         return STUCK
     is_blocked = position >= state.plan_highest if side > 0.0 else position <= state.plan_lowest
     return STUCK if is_blocked else side
+
+
+@compiled
+def sticks(p, state, pressure, time):
+    """Return whether a slip has ended: it is held, and creeps or slows down below the stick speed."""
+    speed = abs(state.velocity)
+    if speed >= p.stick_speed or breakaway_side(p, state, pressure, time) != STUCK:
+        return False
+    if speed < STOP_SPEED:
+        return True
+    side = state.mode
+    friction = sliding_friction(p, side, state.position, pressure, time)
+    if p.stribeck_ratio > 1.0:
+        friction += stribeck_excess(p, friction, speed)
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
+    return side * thrust(p, state.position, pressure, time) < friction + viscous * speed
 
 
 @compiled

@@ -132,7 +132,7 @@ def swing_out(alpha, beta, speed, acceleration, stop):
 
 
 @compiled
-def slip_end(mass, damping, stiffness, speed, acceleration, excess, high):
+def slip_end(mass, damping, stiffness, speed, acceleration, excess, stop_speed, high):
     """Return when a slip has ended by the stop-speed rule, known to have ended by the end of a bracket. [s]
 
     The later of two instants: the speed falls below the stop speed, and the net force below the breakaway force,
@@ -141,7 +141,7 @@ def slip_end(mass, damping, stiffness, speed, acceleration, excess, high):
     jerk = -(damping * acceleration + stiffness * speed) / mass
     peak = first_stop(mass, damping, stiffness, acceleration, jerk) if acceleration > 0.0 else 0.0
     low = min(peak, high)
-    slow = falling_instant(mass, damping, stiffness, speed, acceleration, 1.0, 0.0, STOP_SPEED, low, high)
+    slow = falling_instant(mass, damping, stiffness, speed, acceleration, 1.0, 0.0, stop_speed, low, high)
     return falling_instant(mass, damping, stiffness, speed, acceleration, damping, mass, -excess, slow, high)
 
 

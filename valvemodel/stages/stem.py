@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
 FARTHEST = 10.0
@@ -17,9 +18,9 @@ EFFECTS = (
         key="static_friction",
         stage="stem",
         title="static friction",
-        meaning="breaking away takes more force than sliding: the stem jumps",
-        equation=r"|F| \le F_s = r\,F_c \text{ while stuck}",
-        source="paper eqs. (5), (6)",
+        meaning="breaking away takes more force than sliding: the stem jumps, and it sticks where it creeps",
+        equation=r"|F| \le F_s = r\,F_c \text{ while stuck, and where } |v| < v_s",
+        source="paper eqs. (5), (6); Karnopp, J. Dyn. Sys. Meas. Control 107 (1985)",
         parameters=(
             Parameter(
                 "static_friction_ratio",
@@ -29,6 +30,16 @@ EFFECTS = (
                 3.0,
                 1.0,
                 (1.2, 1.03, 1.06, 1.1, 1.15, 1.25, 1.3, 1.4, 1.5, 1.7),
+            ),
+            Parameter(
+                "stick_speed",
+                "m/s",
+                "v_s: speed below which a slip sticks where the breakaway force holds it",
+                STOP_SPEED,
+                5e-2,
+                STOP_SPEED,
+                (1.5e-3, 5e-3),
+                typical=STOP_SPEED,
             ),
         ),
         is_jagged=True,
@@ -51,7 +62,7 @@ EFFECTS = (
                 1.0,
                 3.0,
                 1.0,
-                (1.3, 1.1, 1.2, 1.5),
+                (1.3, 1.05, 1.1, 1.15, 1.2, 1.4, 1.5, 1.7),
             ),
             Parameter(
                 "stribeck_velocity",

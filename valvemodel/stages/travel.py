@@ -106,7 +106,9 @@ def first_event(p, state, memory, count, ended, room, contact):
             return LIMIT, node - 1.0, float(node)
         if node <= last and TOUCHING < contact < way and memory.ways[node - 1] < contact:
             return CONTACT, node - 1.0, float(node)
-        is_slow = node <= last and speed < STOP_SPEED and state.plan_elastic == 0.0
+        # A slip that stops may have stuck on the way to its stop.
+        may_stick = node <= last or (ended == STOP and p.stick_speed > STOP_SPEED)
+        is_slow = may_stick and speed < p.stick_speed and state.plan_elastic == 0.0
         if is_slow and rest_excess(p, state, memory, node) <= 0.0:
             return REST, node - 1.0, float(node)
     return NOTHING, 0.0, 0.0
@@ -128,7 +130,7 @@ def lowest_place(memory, count, node):
 
 @compiled
 def rest_excess(p, state, memory, node):
-    """Return by how much a slow stem misses the stop-speed rule at a node: speed or net force, over their bounds."""
+    """Return by how much a slow stem misses the stop-speed rule at a node: speed and forces, over their bounds."""
     position = memory.step_position + memory.step_side * memory.ways[node]
     time = memory.step_time + node * memory.step_spacing
     pressure = memory.step_pressures[node]
@@ -136,7 +138,12 @@ def rest_excess(p, state, memory, node):
     side = 1.0 if net > 0.0 else -1.0
     breakaway = state.plan_ratio * sliding_friction(p, side, position, pressure, time)
     force_excess = (abs(net) - breakaway) / (breakaway + abs(net)) if net != 0.0 else -1.0
-    return max(memory.speeds[node] / STOP_SPEED - 1.0, force_excess)
+    excess = max(memory.speeds[node] / p.stick_speed - 1.0, force_excess)
+    if p.stick_speed > STOP_SPEED and net != 0.0:
+        # A slip that has only begun is slow too.
+        drives = slip_force(p, state, memory, node, position, memory.speeds[node])
+        excess = max(excess, drives / (breakaway + abs(net)))
+    return excess
 
 
 @compiled
@@ -165,7 +172,7 @@ def meet(p, state, memory, count, tolerance, kind, low, high, distance):
             high = length
         is_met = abs(value) <= bound
         if kind == REST:
-            is_met = value <= 0.0 and (high - low) * STOP_SPEED <= bound
+            is_met = value <= 0.0 and (high - low) * p.stick_speed <= bound
         elif kind == STOP and value > 0.0 and slope >= 0.0:
             # The speed is small because the slip has only begun.
             is_met = False

@@ -1,0 +1,28 @@
+"""Stairs: where the stem rests again and again on its way, a slip that comes early or late is a small error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from identification.experiment import Experiment
+from identification.fit import Fit
+from identification.staircase import stops_on_the_way
+
+FEW_STOPS = 3
+"""Rests of the stem on its way from which a record has stairs."""
+
+REACH = 4.0
+"""Error beyond which a sample of such a record counts by the logarithm: a slip is many times as high. [noise]"""
+
+
+def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
+    """Return experiments, in those with stairs the samples beside a slip count less.
+
+    The right cause in the right numbers lets a slip come a sample early or late, and is then off by its whole height;
+    squared, a few such samples outweigh all the rest of the record.
+    """
+    return [
+        replace(each, reach=REACH) if stops_on_the_way(each, base.simulated_on(each).position[0]) >= FEW_STOPS else each
+        for each in experiments
+    ]
