@@ -37,6 +37,9 @@ HOLD = 1e-12
 PAST_STICKING = 1e-12
 """Way between the stick speed and speed 0 that is too short to be looked at. [m]"""
 
+STIFF = 5e3
+"""Fastest decay of a speed that is followed in powers of time: they carry for a few of its time constants. [1/s]"""
+
 RESOLVED = 0.25
 """Longest step over the period of a load, or over the time constant of a drift."""
 
@@ -60,8 +63,10 @@ def plan_stem(p, state, tolerance):
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
+    is_stiff = p.viscous_friction * (1.0 + abs(p.viscous_asymmetry)) > STIFF * p.stem_mass
     state.plan_series = (
-        state.plan_elastic == 1.0
+        not is_stiff
+        and state.plan_elastic == 1.0
         and state.plan_limit_held == 1.0
         and is_linear(p)
         and state.plan_varies == 0.0
@@ -80,9 +85,13 @@ def plan_stem(p, state, tolerance):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
-    state.plan_falling = state.plan_plain == 1.0 and p.stribeck_ratio > 1.0 and p.stribeck_shape == 1.0
-    if p.stick_speed > STOP_SPEED:
-        state.plan_falling = 0.0
+    state.plan_falling = (
+        not is_stiff
+        and state.plan_plain == 1.0
+        and p.stribeck_ratio > 1.0
+        and p.stribeck_shape == 1.0
+        and p.stick_speed == STOP_SPEED
+    )
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
