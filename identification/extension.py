@@ -22,7 +22,7 @@ KEPT_STARTS = 2
 WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
-QUICK, USUAL, CHAOTIC = (8, 80), (3, 70), (3, 30)
+QUICK, USUAL, SHORT = (8, 80), (3, 70), (3, 30)
 """Points of a global search for each unknown, and generations: more where a run has a closed form, fewer where it takes
 long and ends nowhere exact."""
 
@@ -82,7 +82,8 @@ def extend(
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
     if effect.is_jagged and is_global and trials[0].gain > 0.0:
-        searched = [search_jagged(fit, effect, group) for group in alike(effect, trials)]
+        groups = alike(effect, trials)
+        searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
         problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
         groups = alike(effect, trials) if is_global else [trials]
@@ -172,8 +173,8 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
-    is_quick = effect.stops_again and not fit.model.effects
-    size, generations = CHAOTIC if effect.is_chaotic else QUICK if is_quick else USUAL
+    takes_long = effect.is_chaotic or fit.model.effects
+    size, generations = SHORT if takes_long else QUICK if effect.stops_again else USUAL
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
         best = roam(each, origin, shape, box, size=size, generations=generations, enough=problem.noise_error)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)

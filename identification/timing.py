@@ -9,6 +9,7 @@ import numpy as np
 from identification.adequacy import adequate
 from identification.experiment import Experiment, experiment_of
 from identification.noise import noise_level
+from identification.stretches import longest_stretch
 from valvemodel.records import Record
 
 STEP_CURRENT = 2e-4
@@ -27,7 +28,7 @@ END_OF_PERIOD = "rows hold the state at the end of each period: readings answer 
 
 
 def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tuple[list[Experiment], list[str]]:
-    """Make experiments of one valve's records, and say where their rows hold the state at the end of a period.
+    """Make experiments of one valve's records, and say where rows hold the state at a period's end, or are left out.
 
     A row that was read just before its current acts cannot know that current. Where readings at steps of the current
     answer it in the same row, all records are taken to be read at the end. `is_ramped` is about settled loops: their
@@ -38,9 +39,10 @@ def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tup
     InputError
         If nothing can be fitted to any of them.
     """
-    reads_at_end = any(answers_own_row(record) for record in records)
-    notes = [END_OF_PERIOD] if reads_at_end else []
-    experiments = [experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped) for record in records]
+    whole = [longest_stretch(record) for record in records]
+    reads_at_end = any(answers_own_row(record) for record, _ in whole)
+    notes = [note for _, cut in whole for note in cut] + [END_OF_PERIOD] * reads_at_end
+    experiments = [experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped) for record, _ in whole]
     experiments, lacking = adequate(experiments)
     return experiments, notes + lacking
 

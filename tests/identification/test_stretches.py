@@ -1,0 +1,41 @@
+"""Records that lost rows: the longest stretch in which no movement is lost counts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from identification.stretches import longest_stretch
+from valvemodel.records import Record
+
+
+def record_without(lost: slice) -> Record:
+    """A record of 30 s at 50 Hz in which a steadily moving valve lost some rows."""
+    time = np.arange(1500) / 50.0
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(time))
+    signals = {"time": time, "current": 4e-3 + 4e-4 * time, "position": 0.005 * time + noise, "pressure": 1e3 * time}
+    return Record("valve", **{name: np.delete(values, lost) for name, values in signals.items()})
+
+
+@pytest.mark.parametrize(("lost", "kept"), [(slice(400, 900), (18.0, 29.98)), (slice(1000, 1200), (0.0, 19.98))])
+def test_longest_stretch_is_kept_and_the_rest_named(lost, kept):
+    cut, notes = longest_stretch(record_without(lost))
+    assert (cut.time[0], cut.time[-1]) == pytest.approx(kept)
+    assert len(cut.position) == len(cut.pressure) == len(cut.current) == len(cut.time)
+    assert len(notes) == 1
+    assert "1 gap" in notes[0]
+
+
+def test_a_whole_record_stays_as_it_is():
+    record = record_without(slice(0, 0))
+    assert longest_stretch(record) == (record, [])
+
+
+def test_rows_that_were_left_out_because_nothing_changed_are_no_gap():
+    record = record_without(slice(0, 0))
+    held = np.minimum(record.time, np.maximum(8.0, record.time - 10.0))
+    resting = replace(record, current=4e-3 + 4e-4 * held, position=0.005 * held)
+    kept = (record.time <= 8.0) | (record.time > 18.0)
+    shorter = Record("valve", **{name: getattr(resting, name)[kept] for name in ("time", "current", "position")})
+    assert len(shorter.time) == 1000
+    assert longest_stretch(shorter) == (shorter, [])
