@@ -84,7 +84,7 @@ def plan_run(p, state, driven_by, tolerance):
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     state.plan_current = driven_by == CURRENT
     state.plan_delayed = p.transport_delay > 0.0 and driven_by == CURRENT
-    has_ramp = state.plan_moving == 1.0 or state.plan_varies == 1.0
+    has_ramp = state.plan_elastic == 0.0 and (state.plan_moving == 1.0 or state.plan_varies == 1.0)
     # A search takes a jump that begins a moment early or late.
     state.plan_share = JUMP_SHARE if has_ramp and breakaway_ratio(p) > 1.0 and not is_coarse(tolerance) else 1.0
 

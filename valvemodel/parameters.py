@@ -52,7 +52,7 @@ STATE = np.dtype(
             "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
-            "plan_series", "plan_bowed", "plan_plain", "plan_steady", "plan_share",
+            "plan_series", "plan_bowed", "plan_plain", "plan_steady", "plan_falling", "plan_share",
             "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio", "plan_drift",
             "plan_hard_stop",
@@ -121,7 +121,10 @@ MEMORY = np.dtype(
             "forces", "values", "powers",
         )
     ]
-    + [(name, "f8", (ORDER + 1,)) for name in ("series_ways", "series_rates", "series_fades", "series_forces")]
+    + [
+        (name, "f8", (ORDER + 1,))
+        for name in ("series_ways", "series_rates", "series_changes", "series_fades", "series_forces")
+    ]
 )  # fmt: skip
 """Type of what a run remembers beside its state: the drives under way in the line, the events of the period, what is
 known of the responses at the nodes of the last part and step."""

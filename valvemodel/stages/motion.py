@@ -10,7 +10,7 @@ from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
-from valvemodel.stages.series import advance_series
+from valvemodel.stages.series import advance_falling, advance_series
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
@@ -37,6 +37,9 @@ HOLD = 1e-12
 PAST_STICKING = 1e-12
 """Way between the stick speed and speed 0 that is too short to be looked at. [m]"""
 
+STIFF = 5e3
+"""Fastest decay of a speed that is followed in powers of time: they carry for a few of its time constants. [1/s]"""
+
 RESOLVED = 0.25
 """Longest step over the period of a load, or over the time constant of a drift."""
 
@@ -60,8 +63,10 @@ def plan_stem(p, state, tolerance):
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
+    is_stiff = p.viscous_friction * (1.0 + abs(p.viscous_asymmetry)) > STIFF * p.stem_mass
     state.plan_series = (
-        state.plan_elastic == 1.0
+        not is_stiff
+        and state.plan_elastic == 1.0
         and state.plan_limit_held == 1.0
         and is_linear(p)
         and state.plan_varies == 0.0
@@ -80,6 +85,13 @@ def plan_stem(p, state, tolerance):
         and p.friction_area == 0.0
         and p.sensor_time_constant == 0.0
     )
+    state.plan_falling = (
+        not is_stiff
+        and state.plan_plain == 1.0
+        and p.stribeck_ratio > 1.0
+        and p.stribeck_shape == 1.0
+        and p.stick_speed == STOP_SPEED
+    )
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
@@ -88,8 +100,8 @@ def plan_stem(p, state, tolerance):
     state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
-    state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
     state.plan_drift = fastest_drift(p)
+    state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
@@ -264,6 +276,8 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     elif sticks(p, state, pressure, time):
         come_to_rest(state)
         return 0.0
+    if state.plan_falling == 1.0:
+        return advance_falling(p, state, memory, time, pressure, duration, tolerance)
     return advance_travel(p, state, memory, time, duration, tolerance)
 
 

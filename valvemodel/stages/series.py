@@ -1,4 +1,4 @@
-"""Motion on bristles in powers of time: their force falls as an exponential of the way, and its series with that."""
+"""Slips in powers of time: friction that falls as an exponential of way or speed has a series that follows theirs."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import numpy as np
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, ORDER
+from valvemodel.stages.part import pressure_at
 from valvemodel.stages.rest import come_to_rest, meet_limit
-from valvemodel.stages.slip import first_stop
-from valvemodel.stages.stem import tangent_stiffness, thrust
+from valvemodel.stages.slip import STOP_SPEED, first_stop
+from valvemodel.stages.stem import sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
 TERM_SHARE = 1e-3
 """Share of the tolerance below which a term of the series is left out, and within which an event is met."""
@@ -20,6 +21,15 @@ REACH_SHARE = 1e-4
 
 BEYOND = 1.05
 """Longest step over the time to the stop of the linear part, the stiffest: two zeros of the speed are farther apart."""
+
+ROUGH = 1e3
+"""Share of the motion, over the tolerance, below which a term is left out while the speed feeds on itself. [1/m]"""
+
+FADING = 8.0
+"""Largest change of way or speed over its reach in a step."""
+
+OF_WAY, OF_SPEED = 0, 1
+"""With what friction falls."""
 
 ROUNDS = 60
 """Most iterations of a bracketed root."""
@@ -47,17 +57,69 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     stop = first_stop(1.0, damping, stiffest, speed, start if speed > 0.0 else 1.0)
     step = min(duration, BEYOND * stop)
     lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
-    order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, bound)
+    order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, OF_WAY, bound)
     share = carried_share(memory, order, bound)
+    if (speed + max(start, 0.0) * step) * step > FADING * reach:
+        share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound)
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     has_stopped = rate_at(memory, order, share) <= 0.0
     if has_stopped:
-        share = place_of_stop(memory, order, share, stop / step, bound * step / state.plan_response)
+        share = place_of_fall(memory, order, share, stop / step, 0.0, bound * step / state.plan_response)
     way = way_at(memory, order, share)
     has_hit = not way <= room
     if has_hit:
         share, way, has_stopped = place_of_way(memory, order, share, max(room, 0.0)), room, False
     state.bristle = side * (limit - departure * math.exp(-way / reach))
+    state.position = position + side * way
+    state.velocity = 0.0 if has_stopped else side * max(rate_at(memory, order, share), 0.0) / step
+    state.trace_next_velocity = state.velocity
+    if has_hit:
+        meet_limit(p, state, abs(state.velocity))
+    elif has_stopped:
+        come_to_rest(state)
+    return share * step
+
+
+@compiled
+def advance_falling(p, state, memory, time, pressure, duration, tolerance):
+    """Move a slip on friction that falls with speed by one step, to its next event at most; return the time used. [s]
+
+    w'' = f(t) - c w' - k w - e exp(-w' / v) along its way w (Stribeck).
+    """
+    side, position, mass, speed = state.mode, state.position, p.stem_mass, state.mode * state.velocity
+    bound = TERM_SHARE * state.plan_share * tolerance
+    coulomb = sliding_friction(p, side, position, pressure, 0.0)
+    excess = stribeck_excess(p, coulomb, speed) / mass
+    damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
+    stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
+    push = (side * thrust(p, position, pressure, 0.0) - coulomb) / mass
+    start, growth = push - excess - damping * speed, excess / p.stribeck_velocity - damping
+    stop = first_stop(1.0, -growth, stiffness, speed, start if speed > 0.0 else 1.0)
+    step = min(duration, BEYOND * stop)
+    lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
+    # What feeds on itself is resolved in shares of itself, down to the last order.
+    least = bound if growth <= 0.0 else 0.0
+    order = lay_series(memory, step, speed, damping, stiffness, -excess, p.stribeck_velocity, OF_SPEED, least)
+    share = carried_share(memory, order, bound)
+    if growth > 0.0:
+        share = min(share, resolved_share(memory, order, min(ROUGH * tolerance, 0.01)))
+    change = (rate_at(memory, order, share) / step - speed) / p.stribeck_velocity
+    share *= faded_share(change, excess * (share * step) ** 2, bound)
+    level, close = STOP_SPEED * step, bound * step / state.plan_response
+    has_stopped = False
+    if speed >= STOP_SPEED and rate_at(memory, order, share) < level:
+        slow = place_of_fall(memory, order, share, stop / step, level, close)
+        place = position + side * way_at(memory, order, slow)
+        net = thrust(p, place, pressure_at(memory, time + slow * step), 0.0)
+        has_stopped = abs(net) <= state.plan_ratio * coulomb
+        share = slow if has_stopped else share
+    if not has_stopped and rate_at(memory, order, share) <= 0.0:
+        share, has_stopped = place_of_fall(memory, order, share, stop / step, 0.0, close), True
+    way = way_at(memory, order, share)
+    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    has_hit = not way <= room
+    if has_hit:
+        share, way, has_stopped = place_of_way(memory, order, share, max(room, 0.0)), room, False
     state.position = position + side * way
     state.velocity = 0.0 if has_stopped else side * max(rate_at(memory, order, share), 0.0) / step
     state.trace_next_velocity = state.velocity
@@ -84,27 +146,35 @@ def lay_forces(memory, time, step, push, area):
 
 
 @inlined
-def lay_series(memory, step, speed, damping, stiffness, departure, reach, bound):
-    """Write the orders of way and rate over a step, up to where they have died out; return the highest order."""
+def lay_series(memory, step, speed, damping, stiffness, departure, reach, of_what, bound):
+    """Write the orders of way and rate over a step, up to where they have died out; return the highest order.
+
+    The departure fades with the way or with the speed, over its reach of it.
+    """
     ways, rates, fades, forces = memory.series_ways, memory.series_rates, memory.series_fades, memory.series_forces
+    changes = memory.series_changes
     count = int(memory.part_count)
     per_reach, by_damping, by_stiffness, square = 1.0 / reach, damping * step, stiffness * step * step, step * step
-    ways[0], ways[1], rates[1], fades[0] = 0.0, speed * step, speed * step, 1.0
+    ways[0], ways[1], rates[1], changes[1], fades[0] = 0.0, speed * step, speed * step, speed * step, 1.0
     before = abs(ways[1])
     for order in range(ORDER - 1):
         if order > 0:
             even, odd = 0.0, 0.0
             for lower in range(1, order, 2):
-                odd += rates[lower] * fades[order - lower]
-                even += rates[lower + 1] * fades[order - lower - 1]
+                odd += changes[lower] * fades[order - lower]
+                even += changes[lower + 1] * fades[order - lower - 1]
             if order % 2 == 1:
-                odd += rates[order]
+                odd += changes[order]
             fades[order] = -(odd + even) * per_reach / order
         force = square * departure * fades[order] - by_stiffness * ways[order] - by_damping * rates[order + 1]
         if order <= count:
             force += square * forces[order]
         way = force * SHARES[order]
         ways[order + 2], rates[order + 2] = way, (order + 2.0) * way
+        if of_what == OF_WAY:
+            changes[order + 2] = rates[order + 2]
+        else:
+            changes[order + 1] = (order + 1.0) * rates[order + 2] / step
         if order >= count and before + abs(way) <= bound:
             return order + 2
         before = abs(way)
@@ -116,6 +186,30 @@ def carried_share(memory, order, bound):
     """Return how far into the step its series carries."""
     last = max(abs(memory.series_ways[order]), abs(memory.series_ways[order - 1]))
     return 1.0 if last <= bound else math.exp(math.log(bound / last) / (order - 1.0))
+
+
+@inlined
+def faded_share(change, effect, bound):
+    """Return which share of a step has no more fading than its series holds: beyond, its terms would still grow.
+
+    What the departure does along the step, its way, does not count while it is below the bound.
+    """
+    most = FADING
+    if effect < bound:
+        most = math.inf if change > 0.0 else FADING + math.log(bound / max(effect, 1e-300))
+    return 1.0 if abs(change) <= most else most / abs(change)
+
+
+@inlined
+def resolved_share(memory, order, rough):
+    """Return how far into the step the series carries but for a rough share of the motion itself."""
+    ways = memory.series_ways
+    last = max(abs(ways[order]), abs(ways[order - 1]))
+    of_first, of_second = rough * abs(ways[1]), rough * abs(ways[2])
+    if last <= max(of_first, of_second):
+        return 1.0
+    share = math.exp(math.log(of_first / last) / (order - 2.0)) if of_first > 0.0 else 0.0
+    return max(share, math.exp(math.log(of_second / last) / (order - 3.0)) if of_second > 0.0 else 0.0)
 
 
 @inlined
@@ -137,14 +231,15 @@ def rate_at(memory, order, share):
 
 
 @compiled
-def place_of_stop(memory, order, high, foreseen, bound):
-    """Return the share of the step at which the rate falls to 0, by bracketed Newton iteration."""
+def place_of_fall(memory, order, high, foreseen, level, bound):
+    """Return the share of the step at which the rate falls to a level, by bracketed Newton iteration."""
     low, share = 0.0, min(foreseen, high)
     for _ in range(ROUNDS):
         rate, slope = 0.0, 0.0
         for power in range(order, 0, -1):
             slope = slope * share + rate
             rate = rate * share + memory.series_rates[power]
+        rate -= level
         if rate > 0.0:
             low = share
         else:
