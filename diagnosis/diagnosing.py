@@ -19,9 +19,10 @@ from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import Candidate, library_for, select, workers
+from diagnosis.selection import library_for, select
 from diagnosis.sham import Control, control_of
 from diagnosis.stairs import makes_stairs, with_stairs
+from diagnosis.trying import Candidate, workers
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model

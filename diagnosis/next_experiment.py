@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from diagnosis.diagnosing import Diagnosis
-from diagnosis.selection import Candidate
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
+from diagnosis.trying import Candidate
 from identification.experiment import Experiment
 from valvemodel.records import write_table
 

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from multiprocessing import get_context
+from collections.abc import Sequence
+from concurrent.futures import Executor
 
-import numpy as np
-
-from diagnosis.score import Score, score_fit
-from identification.extension import extend, screened
+from diagnosis.trying import Candidate, Progress, Work, try_all
+from identification.extension import screened
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.staircase import stops_on_the_way
@@ -29,6 +22,9 @@ LEADERS = 2
 
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
+
+SHORTLIST_CHAOTIC = 2
+"""The same on top of a cause whose runs take long."""
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -51,101 +47,8 @@ BEST_ALONE = 3
 REVERSED = 4
 """Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
 
-SHORTLIST_CHAOTIC = 2
-"""The same on top of a cause whose runs take long."""
-
 LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
-
-Progress = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A cause that was tried.
-
-    Attributes
-    ----------
-    effects : tuple of str
-        In the order of adding; none for the base.
-    fit : Fit
-    score : Score
-        On unseen data.
-    trace : float [noise]
-        Change of the reading, root mean square, when the least of the effects is taken out; infinite for the base.
-    freedom : int
-        Number of the effects' free parameters.
-    """
-
-    effects: tuple[str, ...]
-    fit: Fit
-    score: Score
-    trace: float = math.inf
-    freedom: int = 0
-
-
-@dataclass(frozen=True)
-class Work:
-    """One extension to be tried.
-
-    Attributes
-    ----------
-    fit : Fit
-        Of the cause without its last effect.
-    effects : tuple of str
-        The cause.
-    is_global : bool
-        Whether the last effect is searched for globally, which takes seconds where the error has many minima.
-    known : dict or None
-        Values of it from another fit, one more start. [SI]
-    kin : Fit or None
-        The fit extended by a kindred effect.
-    """
-
-    fit: Fit
-    effects: tuple[str, ...]
-    is_global: bool
-    known: dict[str, float] | None = None
-    kin: Fit | None = None
-
-
-@contextmanager
-def workers(jobs: int | None = None) -> Iterator[Executor | None]:
-    """Open processes that share the compiled simulator; None where there is only one core."""
-    jobs = jobs or min(os.cpu_count() or 1, 8)
-    if jobs == 1:
-        yield None
-        return
-    # A fork server takes 1 to 2.5 s to import the simulator. A fork beside the idle threads of polars, which read the
-    # records, is safe as long as no work in here reads or writes tables: the children never call polars.
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("fork"))
-    try:
-        yield pool
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def try_effect(work: Work, holdout: Holdout) -> Candidate:
-    """Extend a fit by the last of a cause's effects and score it."""
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1):
-        extended = extend(work.fit, work.effects[-1], work.known, kin=work.kin, is_global=work.is_global)
-        freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
-        return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
-
-
-def trace_of(fit: Fit, holdout: Holdout) -> float:
-    """Return by how much the readings change when the least of a fit's effects is taken out. [noise]"""
-    changes = []
-    for key in fit.model.effects:
-        without = replace(fit, model=fit.model.without_effect(key))
-        squares = [
-            np.nanmean((fit.simulated_on(each).position - without.simulated_on(each).position) ** 2) / each.noise**2
-            for each in holdout.scored_experiments
-        ]
-        changes.append(float(np.sqrt(np.mean(squares))))
-    return min(changes)
 
 
 def select(
@@ -312,17 +215,3 @@ def shortlist(fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[s
     }
     order = sorted(keys, key=lambda key: -gains[key])
     return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
-
-
-def try_all(
-    work: Sequence[Work], holdout: Holdout, pool: Executor | None, progress: Progress, what: str
-) -> list[Candidate]:
-    """Try a list of extensions, on all cores where there is a pool."""
-    done: list[Candidate] = []
-    jobs: list[Future[Candidate]] = []
-    if pool is not None:
-        jobs = [pool.submit(try_effect, each, holdout) for each in work]
-    for number, each in enumerate(work):
-        progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
-        done.append(jobs[number].result() if jobs else try_effect(each, holdout))
-    return done

@@ -9,7 +9,7 @@ import numpy as np
 
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score, errors_of
-from diagnosis.selection import Candidate
+from diagnosis.trying import Candidate
 from identification.experiment import Experiment, shifted
 from identification.fit import Fit
 from identification.holdout import Holdout

@@ -7,8 +7,9 @@ import pytest
 
 from diagnosis.ceiling import ceiling_of
 from diagnosis.score import closed_share
-from diagnosis.selection import Work, stops_seen, try_effect
+from diagnosis.selection import stops_seen
 from diagnosis.sham import control_of, shams_on, smooth_noise
+from diagnosis.trying import Work, try_effect
 
 
 def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.next_experiment import SEGMENTS, Limits, first_designs, next_experiment, profile_of
-from diagnosis.selection import Candidate, Work, try_effect
 from diagnosis.separation import blank_experiment, least_separation, rival_of, separations
+from diagnosis.trying import Candidate, Work, try_effect
 from identification.experiment import Experiment
 from identification.fit import fit_base, fitted_to_all, measured, simulate_model
 from valvemodel.model import Model
