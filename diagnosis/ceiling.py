@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from diagnosis.score import Errors, errors_of
-from identification.experiment import Experiment, Simulated
+from identification.experiment import Experiment, Simulated, shifted
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.regimes import time_since_reversal
@@ -76,7 +76,7 @@ def ceiling_of(base: Fit, holdout: Holdout, *, is_anchored: bool) -> Errors:
     curves = curves_over(known)
     weights = learnt(curves(known), residual, fitted_blocks(holdout))
     corrected = [
-        replace(run, position=run.position + curves(inputs_of(each, run)) @ weights)
+        shifted(run, curves(inputs_of(each, run)) @ weights)
         for each, run in zip(holdout.scored_experiments, unseen, strict=True)
     ]
     return errors_of(holdout, corrected)

@@ -8,23 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.score import Score
+from diagnosis.score import Errors, Score
 from diagnosis.selection import Candidate, explains, stops_seen
 from valvemodel.effects import effect_of_key
 
-SHARPNESS = 6.0
+SHARPNESS = 5.0
 """Power of the error by which a cause loses to one with less: models are never right to the last sample."""
 
-NOTICE = 0.5
+NOTICE = 0.35
 """Squared error beyond the noise below which a difference tells nothing: effects below notice leave as much."""
 
-FORM = 0.004
+FORM = 0.005
 """Share of the base's squared error by which a right effect in another form than ours may miss it."""
 
 SUPPORT_NONE = 3.0
 """Log prior of no effect over one of the effects."""
 
-COST_MORE = 3.0
+COST_MORE = 2.4
 """Log prior that each further effect costs, beside its parameters."""
 
 COST_PARAMETER = 0.5
@@ -37,8 +37,9 @@ a cause that leaves less is believed before an unknown one; and the log prior of
 COST_STOPS = 10.0
 """Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that."""
 
-FORM_STOPS, UNKNOWN_FORM_STOPS = 0.1, 0.6
-"""The same as FORM and UNKNOWN_FORM in such a record: the phase of slips is lost soon though the cause is right."""
+FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.1, 0.7
+"""The same as FORM and UNKNOWN_FORM in a record with stairs: there the phase of slips is lost soon though the cause is
+right, and large errors count by their logarithm."""
 
 BLOCK_WORTH = 0.5
 """Sharpness that a scored block in time is worth, up to the whole of it."""
@@ -81,7 +82,8 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     base = candidates[0].score
     sharpness = sharpness_of(base)
     has_stops = stops_seen(candidates[0].fit)
-    form, unknown_form = (FORM_STOPS, UNKNOWN_FORM_STOPS) if has_stops else (FORM, UNKNOWN_FORM)
+    has_stairs = any(math.isfinite(each.reach) for each in candidates[0].fit.problem.experiments)
+    form, unknown_form = (FORM_STAIRS, UNKNOWN_FORM_STAIRS) if has_stairs else (FORM, UNKNOWN_FORM)
     left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
     allowed = NOTICE + form * before
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
@@ -103,16 +105,25 @@ def sharpness_of(base: Score) -> float:
 
 
 def errors_beyond_noise(mine: Score, base: Score) -> tuple[float, float]:
-    """Return the squared errors of a cause and of the base beyond the noise, over the blocks that count. [noise^2]
+    """Return the squared errors of a cause and of the base beyond the noise. [noise^2]
 
-    The one block in time that gains most over the base does not count: what helps in a single one, such as the first
-    after the start, is no effect of the valve.
+    What a cause gains over the base in the one block in time where it gains most does not count: what helps in a single
+    one, such as the first after the start, is no effect of the valve. What it still misses there counts.
     """
-    rest = np.ones(len(mine.free.weighted), bool)
-    if len(rest) >= FEW_BLOCKS:
-        rest[np.argmax(base.free.weighted - mine.free.weighted)] = False
-    left, before = (excess(each.free.mean_of(rest), each.anchored.mean_of(rest)) for each in (mine, base))
-    return left, before
+    left = excess(mine.free.mean, mine.anchored.mean)
+    if len(mine.free.weighted) < FEW_BLOCKS:
+        return left, excess(base.free.mean, base.anchored.mean)
+    best = int(np.argmax(base.free.weighted - mine.free.weighted))
+    free, anchored = (
+        without_gain(one, other, best) for one, other in ((mine.free, base.free), (mine.anchored, base.anchored))
+    )
+    return left, excess(free, anchored)
+
+
+def without_gain(mine: Errors, base: Errors, block: int) -> float:
+    """Return the mean weighted square of the base's run as if it had missed no more than a cause's in one block."""
+    gain = max(float(base.weighted[block] - mine.weighted[block]), 0.0)
+    return base.mean - gain / float(base.counts.sum() * base.signals)
 
 
 def excess(free: float, anchored: float) -> float:

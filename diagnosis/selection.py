@@ -45,6 +45,12 @@ NEAR_THE_BEST = 2.0
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
+BEST_ALONE = 3
+"""Effects that are tried on top of each leader because they are the best alone: a leader's faults may hide them."""
+
+REVERSED = 4
+"""Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
+
 SHORTLIST_CHAOTIC = 2
 """The same on top of a cause whose runs take long."""
 
@@ -195,6 +201,7 @@ def try_together(
             break
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
+        tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -210,20 +217,40 @@ def extensions(
 ) -> list[Work]:
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
+    alone = [each.effects[0] for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])][:BEST_ALONE]
     work: list[Work] = []
     for leader in leaders:
         is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
-        certain = stopping(leader.fit, single)
+        stopping = stopping_on(leader.fit, single)
+        certain = list(dict.fromkeys([*stopping, *(key for key in alone if key not in leader.effects)]))
         for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
-                is_global = key in certain and not effect_of_key(key).is_chaotic
+                is_global = key in stopping and not effect_of_key(key).is_chaotic
                 work.append(Work(leader.fit, effects, is_global, single[key]))
     return work
 
 
-def stopping(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
+def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
+    """Return the best causes of two effects as work in the other order, where that begins with a fit at hand."""
+    alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
+    pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
+    known = {each.effects for each in tried}
+    return [
+        Work(alone[second], (second, first), False, single[first])
+        for first, second in pairs
+        if (second, first) not in known and not effect_of_key(first).is_jagged
+    ]
+
+
+def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, each replaced by the one of the same effects in another order that comes nearer."""
+    better = {frozenset(each.effects): each for each in others}
+    return [min(each, better.get(frozenset(each.effects), each), key=misfit) for each in tried]
+
+
+def stopping_on(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
     """Return the effects that make a stem stop again and again, where a record shows that and a fit does not."""
     if any(effect_of_key(key).stops_again for key in fit.model.effects) or not stops_seen(fit):
         return []
@@ -244,9 +271,9 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
 
 
 def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
-    """Return the fit with an effect's alias, for an effect whose runs take long; None where there is none."""
-    kin = [each.fit for each in tried if effect.is_chaotic and set(each.effects) & set(effect.aliases)]
-    return kin[0] if kin else None
+    """Return the best fit in which the stem stops again, for an effect whose runs take long; else None."""
+    kin = [each.fit for each in tried if any(effect_of_key(key).stops_again for key in each.effects)]
+    return min(kin, key=lambda fit: fit.found.error) if kin and effect.is_chaotic else None
 
 
 def stops_seen(fit: Fit) -> bool:

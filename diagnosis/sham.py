@@ -10,7 +10,7 @@ import numpy as np
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score, errors_of
 from diagnosis.selection import Candidate
-from identification.experiment import Experiment
+from identification.experiment import Experiment, shifted
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.problem import Problem
@@ -120,7 +120,7 @@ def corrected_errors(
     )
     amplitudes = np.linalg.lstsq(design, residual)[0]
     corrected = {
-        id(experiment): replace(run, position=run.position + column @ amplitudes)
+        id(experiment): shifted(run, column @ amplitudes)
         for experiment, run, column in zip(experiments, runs, columns, strict=True)
     }
     return errors_of(holdout, [corrected[id(experiment)] for experiment in holdout.scored_experiments])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,9 @@ ANCHOR_TOLERANCE = 1.5
 
 LEAST_LOOP_NOISE = 1e-4
 """Noise of a settled loop over its range, where its readings show less."""
+
+NEAR_STEPS = 0.15
+"""Distance from a grid, root mean square over its step, of readings that come in steps; of others it is twice that."""
 
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
@@ -98,9 +101,22 @@ class Experiment:
                 anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
         return anchors
 
-    def errors_of(self, position: np.ndarray) -> np.ndarray:
-        """Return measured less simulated positions, shape (..., n), as they count: squared and summed. [noise]"""
-        error = (self.position - position) / self.noise
+    def comes_in_steps(self, step: float, offset: float) -> bool:
+        """Return whether the readings lie about a grid of steps. [m]"""
+        if step <= 0.0:
+            return False
+        places = (self.position[np.isfinite(self.position)] - offset) / step
+        return float(np.std(places - np.round(places))) < NEAR_STEPS
+
+    def errors_of(self, simulated: Simulated) -> np.ndarray:
+        """Return measured less simulated positions, shape (rows, n), as they count: squared and summed. [noise]
+
+        A model that reads in coarse steps is right where it was within half a step of the reading.
+        """
+        error = self.position - simulated.smooth
+        if simulated.step > 0.0:
+            error = np.copysign(np.maximum(np.abs(error) - 0.5 * simulated.step, 0.0), error)
+        error = error / self.noise
         if math.isinf(self.reach):
             return error
         return np.copysign(self.reach * np.sqrt(np.log1p((error / self.reach) ** 2)), error)
@@ -152,11 +168,33 @@ def _noise_of_loop(signal: np.ndarray) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """Rows of numbers run over one experiment; arrays of shape (rows, n)."""
+    """Rows of numbers run over one experiment; arrays of shape (rows, n).
+
+    Attributes
+    ----------
+    position : array [m]
+        As it is read.
+    pressure, mode : arrays [Pa], -1 falling 0 stuck 1 rising
+    step : float
+        Of a reading that comes in coarse steps, else 0. [m]
+    smooth : array [m]
+        As it would be read without the steps.
+    """
 
     position: np.ndarray
     pressure: np.ndarray
     mode: np.ndarray
+    step: float = 0.0
+    smooth: np.ndarray = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.smooth is None:
+            object.__setattr__(self, "smooth", self.position)
+
+
+def shifted(run: Simulated, shift: np.ndarray) -> Simulated:
+    """Return a run with its readings shifted by so much, shape (n,). [m]"""
+    return replace(run, position=run.position + shift, smooth=run.smooth + shift)
 
 
 def simulate_rows(
@@ -175,15 +213,31 @@ def simulate_rows(
     shape = (len(rows), len(experiment.time))
     if experiment.is_loop and in_closed_form:
         return _settled(experiment, rows)
-    position = np.empty(shape)
+    smooth = np.empty(shape)
     pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
     states = np.zeros(len(rows), STATE)
-    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
+    step, offset = _without_steps(experiment, rows)
     runs.run_chain(
         rows, states, np.zeros(1, MEMORY), experiment.time, experiment.current, anchors, chain.CURRENT,
-        tolerance, position, pressure, mode,
+        tolerance, smooth, pressure, mode,
     )  # fmt: skip
-    return Simulated(position, pressure, mode)
+    position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
+    return Simulated(position, pressure, mode, step, smooth)
+
+
+def _without_steps(experiment: Experiment, rows: np.ndarray) -> tuple[float, float]:
+    """Make rows of numbers ready to run, without the steps of a coarse reading that the record has as well.
+
+    Returns the step, 0 where the record has no such steps, and a reading on its grid. [m] All rows of a search have the
+    same, which no fit moves.
+    """
+    step, offset = float(rows["resolution"][0]), float(rows["resolution_offset"][0])
+    if not experiment.comes_in_steps(step, offset):
+        step = 0.0
+    else:
+        rows["resolution"] = 0.0
+    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise + 0.5 * step
+    return step, offset
 
 
 def _settled(experiment: Experiment, rows: np.ndarray) -> Simulated:
@@ -209,12 +263,12 @@ def score_rows(
 ) -> np.ndarray:
     """Return the sum of the squared errors that count of each row of numbers, shape (rows,). [noise^2]"""
     if experiment.is_loop and in_closed_form:
-        return np.nansum(np.where(used, experiment.errors_of(_settled(experiment, rows).position), np.nan) ** 2, axis=1)
+        return np.nansum(np.where(used, experiment.errors_of(_settled(experiment, rows)), np.nan) ** 2, axis=1)
     measured = np.where(used, experiment.position, np.nan)
     sums = np.empty(len(rows))
-    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise
+    step, _ = _without_steps(experiment, rows)
     runs.score_rows(
-        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
+        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, 0.5 * step,
         experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
     )  # fmt: skip
     return sums / experiment.noise**2

@@ -46,7 +46,7 @@ SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
 
-WORTH_FOLLOWING = 0.5
+WORTH_FOLLOWING = 0.3
 """Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
 
 
@@ -68,8 +68,7 @@ def extend(
         The fit extended by a kindred effect: where that explains much, its base valve is the start, in place of a
         global search.
     is_global : bool
-        Whether an effect whose error has many minima is searched for globally, which takes seconds, and whether each
-        choice of a number that no fit moves is followed on its own.
+        Whether an effect whose error has many minima is searched for globally, which takes seconds.
 
     Returns
     -------
@@ -86,7 +85,7 @@ def extend(
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
         problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
-        groups = alike(effect, trials) if is_global else [trials]
+        groups = [trials] if effect.is_jagged else alike(effect, trials)
         problem, best = min((followed(fit, group) for group in groups), key=lambda pair: pair[1].error)
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))

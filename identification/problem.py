@@ -79,7 +79,7 @@ class Problem:
         parts = []
         for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
             simulated = self.simulated(points, number)
-            parts.append(experiment.errors_of(simulated.position)[:, used])
+            parts.append(experiment.errors_of(simulated)[:, used])
             if experiment.pressure is not None:
                 parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
         parts.append(points / self.prior_spreads)

@@ -74,7 +74,7 @@ def objectives(
             some = some.copy()
             some["start_position"] = np.where(np.isnan(some["start_position"]), anchors[0], some["start_position"])
         runs.score_rows(
-            some, np.zeros(1, STATE), np.zeros(1, MEMORY), time, currents[index], measured[index], np.inf,
+            some, np.zeros(1, STATE), np.zeros(1, MEMORY), time, currents[index], measured[index], 0.0, np.inf,
             anchors, CURRENT, tolerance, np.empty((1, len(time))), sums[index, part],
         )  # fmt: skip
 

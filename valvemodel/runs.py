@@ -195,7 +195,9 @@ def tempered_square(error, reach):
 
 
 @compiled
-def score_rows(rows, states, memories, time, drive, measured, reach, anchors, driven_by, tolerance, readings, sums):
+def score_rows(
+    rows, states, memories, time, drive, measured, slack, reach, anchors, driven_by, tolerance, readings, sums
+):
     """Run each row of numbers and keep the sum of its squared errors alone.
 
     Parameters
@@ -205,6 +207,8 @@ def score_rows(rows, states, memories, time, drive, measured, reach, anchors, dr
         Overwritten by one row after the other, as are `memories` and `readings`.
     measured : array, shape (m,) [m]
         NaN where nothing was measured.
+    slack : float [m]
+        Error that does not count, of a reading that comes in coarse steps.
     reach : float [m]
         Error far beyond which a sample counts by the logarithm; infinite for plain squares.
     readings : array, shape (1, m) [m]
@@ -220,7 +224,8 @@ def score_rows(rows, states, memories, time, drive, measured, reach, anchors, dr
         total = 0.0
         for sample in range(time.shape[0]):
             if not math.isnan(measured[sample]):
-                total += tempered_square(readings[0, sample] - measured[sample], reach)
+                error = max(abs(readings[0, sample] - measured[sample]) - slack, 0.0)
+                total += tempered_square(error, reach)
         sums[row] = total
 
 

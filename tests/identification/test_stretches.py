@@ -34,7 +34,7 @@ def test_a_whole_record_stays_as_it_is():
 def test_rows_that_were_left_out_because_nothing_changed_are_no_gap():
     record = record_without(slice(0, 0))
     held = np.minimum(record.time, np.maximum(8.0, record.time - 10.0))
-    resting = replace(record, current=4e-3 + 4e-4 * held, position=0.005 * held)
+    resting = replace(record, current=4e-3 + 4e-4 * held, position=record.position + 0.005 * (held - record.time))
     kept = (record.time <= 8.0) | (record.time > 18.0)
     shorter = Record("valve", **{name: getattr(resting, name)[kept] for name in ("time", "current", "position")})
     assert len(shorter.time) == 1000

@@ -55,7 +55,6 @@ EFFECTS = (
                 typical=0.0,
             ),
         ),
-        is_jagged=True,
         stops_again=True,
         told_apart_by="the readings themselves: they take few values",
     ),
