@@ -21,7 +21,7 @@ from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import Candidate, library_for, select, workers
 from diagnosis.sham import Control, control_of
-from diagnosis.stairs import with_stairs
+from diagnosis.stairs import makes_stairs, with_stairs
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
@@ -220,11 +220,16 @@ def diagnose(
     library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    noisier, slowness = with_sampling_error(experiments, base)
-    judged = with_stairs(noisier, base)
-    if judged != experiments:
-        experiments, holdout = judged, hold_out(judged)
+    experiments, slowness = with_sampling_error(experiments, base)
+    if slowness:
+        holdout = hold_out(experiments)
         base = fit_base(model, holdout.experiments, holdout.fitted)
+    stepped = with_stairs(experiments, base)
+    if stepped != experiments:
+        parted = hold_out(stepped)
+        tempered = fit_base(model, parted.experiments, parted.fitted)
+        if makes_stairs(tempered):
+            experiments, holdout, base = stepped, parted, tempered
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
         tried = select(first, holdout, library, pool, progress)

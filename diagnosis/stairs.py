@@ -6,18 +6,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from identification.experiment import Experiment
+from identification.extension import extend
 from identification.fit import Fit
 from identification.staircase import stops_on_the_way
+from valvemodel.stages import EFFECTS
 
 FEW_STOPS = 3
-"""Rests of the stem on its way from which a record has stairs."""
+"""Rests of the stem on its way from which a record may have stairs."""
+
+STEPPED = 0.5
+"""Share of the base's error below which an effect that makes stairs must come, or there are none: a lag rests too."""
 
 REACH = 4.0
 """Error beyond which a sample of such a record counts by the logarithm: a slip is many times as high. [noise]"""
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
-    """Return experiments, in those with stairs the samples beside a slip count less.
+    """Return experiments, in those that may have stairs the samples beside a slip count less.
 
     The right cause in the right numbers lets a slip come a sample early or late, and is then off by its whole height;
     squared, a few such samples outweigh all the rest of the record.
@@ -26,3 +31,9 @@ def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment
         replace(each, reach=REACH) if stops_on_the_way(each, base.simulated_on(each).position[0]) >= FEW_STOPS else each
         for each in experiments
     ]
+
+
+def makes_stairs(base: Fit) -> bool:
+    """Return whether an effect that makes a stem or its reading stop again and again explains much of what is left."""
+    keys = [effect.key for effect in EFFECTS if effect.stops_again and not effect.is_chaotic]
+    return any(extend(base, key).found.error < STEPPED * base.found.error for key in keys)

@@ -257,10 +257,11 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if state.plan_elastic == 1.0:
+        is_held = memory.part_count == 0.0
+        if state.plan_series == 1.0 and (is_held or p.area_slope == 0.0) and not (is_held and is_coarse(tolerance)):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
-        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
-            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
             return duration
         return advance_travel(p, state, memory, time, duration, tolerance)

@@ -1,0 +1,106 @@
+"""Records with stairs: what counts beside a slip, readings in coarse steps, and errors in a single block."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.judgement import errors_beyond_noise
+from diagnosis.score import Errors, Score, score_fit
+from diagnosis.stairs import makes_stairs, with_stairs
+from identification.experiment import Experiment, Simulated, experiment_of
+from identification.extension import extend
+from identification.fit import Fit, fit_base
+from identification.holdout import hold_out
+from identification.problem import Problem
+from identification.search import errors
+from identification.unknowns import base_unknowns
+from valvemodel.records import Record
+
+
+def plant_with(seed: int, *effects: str, duration: float = 150.0) -> Experiment:
+    taken = measure(draw_plant(seed, effects), seed + 7, duration=duration)
+    return experiment_of(Record.from_arrays(name="plant", **taken))
+
+
+def base_of(given, experiment: Experiment) -> Fit:
+    holdout = hold_out([experiment])
+    return fit_base(given, holdout.experiments, holdout.fitted)
+
+
+@pytest.fixture(scope="module")
+def sticking() -> Experiment:
+    """A plant by Karnopp's law."""
+    return plant_with(9003, "static_friction")
+
+
+def test_stick_slip_is_found_where_single_slips_come_early(given, sticking):
+    (stepped,) = with_stairs([sticking], base_of(given, sticking))
+    assert math.isfinite(stepped.reach)
+    holdout = hold_out([stepped])
+    base = base_of(given, stepped)
+    assert makes_stairs(base)
+    found = extend(base, "static_friction")
+    before, after = score_fit(base, holdout), score_fit(found, holdout)
+    assert after.misfit < 0.25 * before.misfit
+    assert after.free.rms < 0.3 * before.free.rms
+    assert found.model.effects["static_friction"]["stick_speed"] > 1e-4
+
+
+def test_a_lag_makes_no_stairs(given):
+    assert not makes_stairs(base_of(given, plant_with(31, "sensor_lag", duration=60.0)))
+
+
+def test_a_valve_without_effect_keeps_its_squares(given, quiet):
+    assert with_stairs([quiet], base_of(given, quiet)) == [quiet]
+
+
+@pytest.mark.parametrize("step", [0.0, 3e-3])
+@pytest.mark.parametrize("reach", [4.0, math.inf])
+def test_sum_without_residuals_is_the_sum_of_residuals(given, quiet, reach, step):
+    grid = np.round(quiet.position / 3e-3) * 3e-3
+    experiment = replace(quiet, reach=reach, position=grid if step else quiet.position)
+    model = given.with_effect("quantisation", resolution=step, resolution_offset=0.0) if step else given
+    problem = Problem(model, [experiment], base_unknowns(given), [np.isfinite(experiment.position)])
+    points = 0.1 * np.random.default_rng(0).standard_normal((3, len(problem.unknowns)))
+    assert errors(problem, points) == pytest.approx(0.5 * (problem.residuals(points) ** 2).sum(axis=1), rel=1e-9)
+
+
+def test_far_errors_count_by_their_logarithm(quiet):
+    off = np.full((1, len(quiet.time)), 40.0 * quiet.noise) + quiet.position
+    near = np.full((1, len(quiet.time)), 0.1 * quiet.noise) + quiet.position
+    tempered = replace(quiet, reach=4.0)
+    counted = [tempered.errors_of(Simulated(each, off, off)) for each in (off, near)]
+    assert counted[0] == pytest.approx(-4.0 * math.sqrt(math.log1p(100.0)))
+    assert counted[1] == pytest.approx(-0.1, rel=1e-3)
+
+
+def test_reading_in_steps_is_right_within_half_a_step(quiet):
+    step = 40.0 * quiet.noise
+    stepped = replace(quiet, position=np.round(quiet.position / step) * step)
+    assert stepped.comes_in_steps(step, 0.0)
+    assert not quiet.comes_in_steps(step, 0.0)
+    run = Simulated(stepped.position, quiet.position, quiet.position, step, quiet.position[None, :])
+    assert np.abs(stepped.errors_of(run)).max() < 1e-6
+
+
+def score_of(*weighted: float) -> Score:
+    counts = np.full(len(weighted), 100)
+    run = Errors(np.array(weighted), 100.0 * np.array(weighted), counts, 1, 1.0)
+    return Score(run, run)
+
+
+def test_what_is_gained_in_one_block_alone_does_not_count():
+    base, mine = score_of(1.0, 1.0, 60.0, 1.0, 1.0, 1.0), score_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    assert errors_beyond_noise(mine, base) == pytest.approx((0.0, 0.0))
+
+
+def test_what_is_missed_in_one_block_counts():
+    base = score_of(9.0, 9.0, 60.0, 9.0, 9.0, 9.0)
+    left, before = errors_beyond_noise(score_of(1.0, 1.0, 55.0, 1.0, 1.0, 1.0), base)
+    assert left == pytest.approx(9.0)
+    assert before == pytest.approx((45.0 + 60.0) / 6.0 - 1.0 - 8.0 / 6.0)
