@@ -35,7 +35,7 @@ TICKS = 1.26e12
 CHATTER = 64
 """Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
-MOST_STEPS, STEPS_PER_SECOND = 2000, 1e5
+MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
 
 JUMP_SHARE = 0.04

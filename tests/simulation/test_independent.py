@@ -20,7 +20,7 @@ PAIRS = (
     ("area_variation", "load_force"), ("friction_drift", "load_force"), ("chamber_filling", "spring_hardening"),
     ("coil_lag", "position_dependent_friction"), ("supply_droop", "friction_drift"), ("gap_drift", "stribeck"),
     ("magnetic_hysteresis", "coil_lag"), ("asymmetric_filling", "sensor_lag"),
-    ("coil_lag", "stribeck"), ("chamber_filling", "stribeck"), ("coil_lag", "presliding"),
+    ("coil_lag", "stribeck"), ("chamber_filling", "stribeck"),
     ("sensor_lag", "linkage_nonlinearity"), ("magnetic_hysteresis", "chamber_filling", "stribeck", "linkage_backlash"),
 )  # fmt: skip
 

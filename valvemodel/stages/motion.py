@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
-from valvemodel.stages.presliding import bristle_stiffness
+from valvemodel.stages.presliding import rests_on_bristles
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
@@ -21,7 +21,6 @@ from valvemodel.stages.stem import (
     has_held_limit,
     highest_position,
     is_linear,
-    limiting_friction,
     lowest_position,
     sliding_friction,
     tangent_stiffness,
@@ -48,12 +47,6 @@ RIGID = 0.01
 
 BENT = 0.01
 """Share of the tolerance within which bristles are bent as far as they go: what they lack moves the stem by less."""
-
-FORGOTTEN = 1e-4
-"""Share of the limit of bristles that a swing which is left out may hold, however stiff they are."""
-
-SETTLED = 0.01
-"""Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
 @compiled
@@ -296,39 +289,6 @@ def advance_held(p, state, pressure, duration):
         come_to_rest(state)
         return 0.0
     return advance_slip(p, state, pressure, duration, breaks_away)
-
-
-@compiled
-def rests_on_bristles(p, state, memory, time, duration, tolerance):
-    """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
-    position, net = state.position, net_on_bristles(p, state, memory, time)
-    if is_negligible(p, state, memory, time, net, tolerance):
-        if memory.part_count == 0.0 and state.plan_varies == 0.0:
-            return True
-        net = net_on_bristles(p, state, memory, time + duration)
-        if is_negligible(p, state, memory, time + duration, net, tolerance):
-            return True
-    side = RISING if net > 0.0 else FALLING
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    if net == 0.0 or room <= 0.0:
-        return True
-    state.mode, state.velocity = side, 0.0
-    return False
-
-
-@compiled
-def net_on_bristles(p, state, memory, time):
-    """Return the force on a stem that rests on bristles. [N]"""
-    return thrust(p, state.position, pressure_at(memory, time), time) - state.bristle
-
-
-@compiled
-def is_negligible(p, state, memory, time, net, tolerance):
-    """Return whether a force swings a stem that rests on bristles by much less than the tolerance."""
-    limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
-    # Near the limit a small force bends them far, and what they forget by swinging back tells then.
-    stiffness = bristle_stiffness(p, abs(state.bristle), limit)
-    return abs(net) <= min(SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance), FORGOTTEN * limit)
 
 
 @compiled

@@ -6,13 +6,53 @@ import math
 
 from valvemodel.compiled import compiled
 from valvemodel.stages.nodes import fit_powers, left_out
-from valvemodel.stages.stem import limiting_friction
+from valvemodel.stages.part import pressure_at
+from valvemodel.stages.stem import FALLING, RISING, limiting_friction, thrust
+
+FORGOTTEN = 1e-4
+"""Share of the limit of bristles that a swing which is left out may hold, however stiff they are."""
+
+SETTLED = 0.01
+"""Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
 @compiled
 def bristle_stiffness(p, bristle, limit):
     """Return by how much the force of the bristles grows with the way, at least 0. [N/m]"""
     return max(1.0 - bristle / limit, 0.0) / p.presliding_compliance
+
+
+@compiled
+def rests_on_bristles(p, state, memory, time, duration, tolerance):
+    """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
+    position, net = state.position, net_on_bristles(p, state, memory, time)
+    if is_negligible(p, state, memory, time, net, tolerance):
+        if memory.part_count == 0.0 and state.plan_varies == 0.0:
+            return True
+        net = net_on_bristles(p, state, memory, time + duration)
+        if is_negligible(p, state, memory, time + duration, net, tolerance):
+            return True
+    side = RISING if net > 0.0 else FALLING
+    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    if net == 0.0 or room <= 0.0:
+        return True
+    state.mode, state.velocity = side, 0.0
+    return False
+
+
+@compiled
+def net_on_bristles(p, state, memory, time):
+    """Return the force on a stem that rests on bristles. [N]"""
+    return thrust(p, state.position, pressure_at(memory, time), time) - state.bristle
+
+
+@compiled
+def is_negligible(p, state, memory, time, net, tolerance):
+    """Return whether a force swings a stem that rests on bristles by much less than the tolerance."""
+    limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
+    # Near the limit a small force bends them far, and what they forget by swinging back tells then.
+    stiffness = bristle_stiffness(p, abs(state.bristle), limit)
+    return abs(net) <= min(SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance), FORGOTTEN * limit)
 
 
 @compiled

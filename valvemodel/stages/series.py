@@ -96,6 +96,8 @@ def advance_falling(p, state, memory, time, pressure, duration, tolerance):
     start, growth = push - excess - damping * speed, excess / p.stribeck_velocity - damping
     stop = first_stop(1.0, -growth, stiffness, speed, start if speed > 0.0 else 1.0)
     step = min(duration, BEYOND * stop)
+    # A term of the speed is that of the way many times over, and goes on moving the stem.
+    bound *= min(1.0, step / (ORDER * state.plan_response))
     lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
     # What feeds on itself is resolved in shares of itself, down to the last order.
     least = bound if growth <= 0.0 else 0.0
