@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.judgement import errors_beyond_noise
+from diagnosis.judgement import Judgement, errors_beyond_noise, rivals_of
 from diagnosis.score import Errors, Score, score_fit
 from diagnosis.stairs import makes_stairs, with_stairs
+from diagnosis.trying import Candidate
 from identification.experiment import Experiment, Simulated, experiment_of
 from identification.extension import extend
 from identification.fit import Fit, fit_base
@@ -104,3 +105,16 @@ def test_what_is_missed_in_one_block_counts():
     left, before = errors_beyond_noise(score_of(1.0, 1.0, 55.0, 1.0, 1.0, 1.0), base)
     assert left == pytest.approx(9.0)
     assert before == pytest.approx((45.0 + 60.0) / 6.0 - 1.0 - 8.0 / 6.0)
+
+
+@pytest.mark.parametrize(("chosen", "rivals"), [(1, [("stribeck",)]), (2, [])])
+def test_an_alias_whose_search_comes_to_no_end_stays_a_rival(quiet, refitted, chosen, rivals):
+    base, _ = refitted(quiet)
+    tried = [
+        Candidate((), base.fit, score_of(*[90.0] * 6)),
+        Candidate(("static_friction",), base.fit, score_of(*[9.0 if chosen == 2 else 1.0] * 6), trace=9.0),
+        Candidate(("stribeck",), base.fit, score_of(*[9.0 if chosen == 1 else 1.0] * 6), trace=9.0),
+    ]
+    evidence = np.array([0.0, 9.0, 9.0])
+    evidence[chosen] = 20.0
+    assert rivals_of(chosen, tried, Judgement(np.zeros(3), 0.0, evidence)) == rivals
