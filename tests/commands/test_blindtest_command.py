@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 
+import pytest
+
 
 def test_one_plant_from_seal_to_page(command, tmp_path):
     words = ("blindtest", "--plants", 1, "--kinds", "none", "--jobs", 1, "--out", "blind")
@@ -34,16 +36,29 @@ def test_unknown_kind_is_refused_without_a_trace(command, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_interrupt_keeps_what_is_done(tmp_path):
+def session_is_empty(leader: int) -> bool:
+    """Return whether all processes of a session have ended, within a few seconds."""
+    for _ in range(100):
+        try:
+            os.killpg(leader, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+@pytest.mark.parametrize("stop", [lambda pid: os.killpg(pid, signal.SIGINT), lambda pid: os.kill(pid, signal.SIGTERM)])
+def test_interrupt_keeps_what_is_done_and_sends_the_workers_home(tmp_path, stop):
     words = [sys.executable, "-m", "valvemodel", "blindtest", "--kinds", "single", "--out", str(tmp_path / "blind")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
     for _ in range(300):
         time.sleep(0.1)
         if list(tmp_path.glob("blind/sealed/plant-*.json")):
             break
-    os.killpg(process.pid, signal.SIGINT)
+    stop(process.pid)
     output, trouble = process.communicate(timeout=60)
     assert process.returncode == 130
     assert output == ""
     assert "the same command goes on" in trouble
+    assert session_is_empty(process.pid)
     assert list(tmp_path.glob("blind/sealed/plant-*.json"))

@@ -59,13 +59,14 @@ def command_line() -> None:
 def main() -> NoReturn:
     """Run the command line and end the process with its status: 0 done, 2 bad input, 130 interrupted."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    signal.signal(signal.SIGINT, _interrupt(os.getpid()))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt(os.getpid()))
     command_line.main(prog_name="valvemodel")
     sys.exit(0)
 
 
 def _interrupt(main_process: int) -> Any:
-    """Return what Ctrl-C does: workers end silently, the main process sends its workers home and stops."""
+    """Return what Ctrl-C and `kill` do: workers end silently, the main process sends its workers home and stops."""
 
     def interrupt(number: int, frame: object) -> None:
         if os.getpid() != main_process:
