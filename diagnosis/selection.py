@@ -121,10 +121,11 @@ def extensions(
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
     alone = [each.effects[0] for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])][:BEST_ALONE]
+    has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
         is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
-        stopping = stopping_on(leader.fit, single)
+        stopping = [] if has_cause else stopping_on(leader.fit, single)
         certain = list(dict.fromkeys([*stopping, *(key for key in alone if key not in leader.effects)]))
         for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
             effects = (*leader.effects, key)

@@ -34,6 +34,9 @@ def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment
 
 
 def makes_stairs(base: Fit) -> bool:
-    """Return whether an effect that makes a stem or its reading stop again and again explains much of what is left."""
-    keys = [effect.key for effect in EFFECTS if effect.stops_again and not effect.is_chaotic]
+    """Return whether an effect that makes the stem stop again and again explains much of what is left.
+
+    A reading in coarse steps does not count: no slip comes early in it.
+    """
+    keys = [each.key for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
     return any(extend(base, key).found.error < STEPPED * base.found.error for key in keys)
