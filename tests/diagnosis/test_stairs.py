@@ -56,6 +56,14 @@ def test_a_lag_makes_no_stairs(given):
     assert not makes_stairs(base_of(given, plant_with(31, "sensor_lag", duration=60.0)))
 
 
+def test_a_reading_in_coarse_steps_makes_no_stairs(given, quiet):
+    step = 12.0 * quiet.noise
+    stepped = replace(quiet, position=np.round(quiet.position / step) * step)
+    (judged,) = with_stairs([stepped], base_of(given, stepped))
+    assert math.isfinite(judged.reach)
+    assert not makes_stairs(base_of(given, judged))
+
+
 def test_a_valve_without_effect_keeps_its_squares(given, quiet):
     assert with_stairs([quiet], base_of(given, quiet)) == [quiet]
 
