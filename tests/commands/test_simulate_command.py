@@ -119,7 +119,7 @@ def test_typical_values_are_said_where_they_are_taken(command, short_record):
     some = command(*words, "stribeck:stribeck_ratio=1.4").stderr
     assert "stribeck at typical values: " in some
     assert "stribeck_ratio" not in some
-    assert "typical" not in command(*words, "static_friction:static_friction_ratio=1.2").stderr
+    assert "typical" not in command(*words, "asymmetric_friction:friction_asymmetry=0.2").stderr
 
 
 def test_start_beyond_the_travel_is_a_warning(command, short_record):
