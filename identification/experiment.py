@@ -184,12 +184,8 @@ class Simulated:
     position: np.ndarray
     pressure: np.ndarray
     mode: np.ndarray
-    step: float = 0.0
-    smooth: np.ndarray = None  # type: ignore[assignment]
-
-    def __post_init__(self) -> None:
-        if self.smooth is None:
-            object.__setattr__(self, "smooth", self.position)
+    step: float
+    smooth: np.ndarray
 
 
 def shifted(run: Simulated, shift: np.ndarray) -> Simulated:
@@ -249,7 +245,7 @@ def _settled(experiment: Experiment, rows: np.ndarray) -> Simulated:
     for whole, part in zip((position, pressure, mode), found, strict=True):
         whole[:, 1:] = part
         whole[:, 0] = part[:, 0]
-    return Simulated(position, pressure, mode)
+    return Simulated(position, pressure, mode, 0.0, position)
 
 
 def score_rows(

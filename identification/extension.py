@@ -96,9 +96,7 @@ def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
     starts = [(trial.problem, trial.point) for trial in group[:KEPT_STARTS]]
     starts.append((group[0].problem, as_given(fit, group[0])))
-    begun = [(problem, descend(problem, point, evaluations=5, precision=1e-3)) for problem, point in starts]
-    problem, best = min(begun, key=lambda pair: pair[1].error)
-    return problem, descend(problem, best.point, evaluations=10, precision=1e-3)
+    return best_descended(starts, first=5, further=10, precision=1e-3)
 
 
 def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:
@@ -107,11 +105,16 @@ def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:
     starts = starts_of(effect, list(fit.problem.experiments), residual_positions(fit))
     begun = [joined(fit.problem, known, effect, start) for start in starts]
     begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
-    found = [
-        (problem, descend(problem, point, evaluations=8, precision=1e-3)) for problem, point in begun[:KEPT_STARTS]
-    ]
-    problem, best = min(found, key=lambda pair: pair[1].error)
-    return problem, descend(problem, best.point, evaluations=15, precision=1e-4)
+    return best_descended(begun[:KEPT_STARTS], first=8, further=15, precision=1e-4)
+
+
+def best_descended(
+    starts: list[tuple[Problem, np.ndarray]], *, first: int, further: int, precision: float
+) -> tuple[Problem, Found]:
+    """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
+    begun = [(problem, descend(problem, point, evaluations=first, precision=1e-3)) for problem, point in starts]
+    problem, best = min(begun, key=lambda pair: pair[1].error)
+    return problem, descend(problem, best.point, evaluations=further, precision=precision)
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:

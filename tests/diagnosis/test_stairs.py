@@ -83,7 +83,7 @@ def test_far_errors_count_by_their_logarithm(quiet):
     off = np.full((1, len(quiet.time)), 40.0 * quiet.noise) + quiet.position
     near = np.full((1, len(quiet.time)), 0.1 * quiet.noise) + quiet.position
     tempered = replace(quiet, reach=4.0)
-    counted = [tempered.errors_of(Simulated(each, off, off)) for each in (off, near)]
+    counted = [tempered.errors_of(Simulated(each, off, off, 0.0, each)) for each in (off, near)]
     assert counted[0] == pytest.approx(-4.0 * math.sqrt(math.log1p(100.0)))
     assert counted[1] == pytest.approx(-0.1, rel=1e-3)
 

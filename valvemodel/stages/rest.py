@@ -72,23 +72,16 @@ def time_stuck(p, state, memory, time, duration, tolerance):
     count = COARSE_NODES if is_coarse(tolerance) else NODES
     length = min(duration, state.plan_longest)
     instant = math.inf
-    if memory.part_count == 0.0 and breakaway_margin(p, state, memory, time) > state.plan_drift * length:
-        return length
+    if memory.part_count == 0.0:
+        rising = breakaway_excess(p, state, memory, time, RISING)
+        falling = breakaway_excess(p, state, memory, time, FALLING)
+        if max(rising, falling) < -state.plan_drift * length:
+            return length
     for side in (RISING, FALLING):
         is_blocked = state.position >= state.plan_highest if side > 0.0 else state.position <= state.plan_lowest
         if not is_blocked:
             instant = min(instant, breakaway_instant(p, state, memory, time, length, count, side))
     return instant if instant < length else length
-
-
-@compiled
-def breakaway_margin(p, state, memory, time):
-    """Return by how much the force on a resting stem is below what holds it to either side. [N]"""
-    pressure, position = pressure_at(memory, time), state.position
-    net = thrust(p, position, pressure, time)
-    rising = state.plan_ratio * sliding_friction(p, RISING, position, pressure, time)
-    falling = state.plan_ratio * sliding_friction(p, FALLING, position, pressure, time)
-    return min(rising - net, falling + net)
 
 
 @compiled

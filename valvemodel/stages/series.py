@@ -61,22 +61,11 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     share = carried_share(memory, order, bound)
     if (speed + max(start, 0.0) * step) * step > FADING * reach:
         share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound)
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     has_stopped = rate_at(memory, order, share) <= 0.0
     if has_stopped:
         share = place_of_fall(memory, order, share, stop / step, 0.0, bound * step / state.plan_response)
-    way = way_at(memory, order, share)
-    has_hit = not way <= room
-    if has_hit:
-        share, way, has_stopped = place_of_way(memory, order, share, max(room, 0.0)), room, False
+    share, way = leave_series(p, state, memory, order, share, step, has_stopped)
     state.bristle = side * (limit - departure * math.exp(-way / reach))
-    state.position = position + side * way
-    state.velocity = 0.0 if has_stopped else side * max(rate_at(memory, order, share), 0.0) / step
-    state.trace_next_velocity = state.velocity
-    if has_hit:
-        meet_limit(p, state, abs(state.velocity))
-    elif has_stopped:
-        come_to_rest(state)
     return share * step
 
 
@@ -117,6 +106,14 @@ def advance_falling(p, state, memory, time, pressure, duration, tolerance):
         share = slow if has_stopped else share
     if not has_stopped and rate_at(memory, order, share) <= 0.0:
         share, has_stopped = place_of_fall(memory, order, share, stop / step, 0.0, close), True
+    share, _ = leave_series(p, state, memory, order, share, step, has_stopped)
+    return share * step
+
+
+@inlined
+def leave_series(p, state, memory, order, share, step, has_stopped):
+    """Take a stem along its series to a share of the step, or to the end of its travel; return share and way."""
+    side, position = state.mode, state.position
     way = way_at(memory, order, share)
     room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
     has_hit = not way <= room
@@ -129,7 +126,7 @@ def advance_falling(p, state, memory, time, pressure, duration, tolerance):
         meet_limit(p, state, abs(state.velocity))
     elif has_stopped:
         come_to_rest(state)
-    return share * step
+    return share, way
 
 
 @inlined
