@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 
 MOST_DECLARED = 3
 """Causes, the first choice among them, up to which a set declared indistinguishable counts as an answer."""
@@ -118,16 +118,11 @@ def outcome_left_out(truth: str, verdict: str, named: Effects, said: float) -> s
     """Return what came out where the truth was taken out of the candidates."""
     if verdict == "unknown":
         return "unknown"
-    if all(are_near(truth, key) for key in named or ("none",)):
+    if all(are_aliases(truth, key) for key in named or ("none",)):
         return "alias"
     if verdict == "none":
         return "none"
     return "wrong" if said >= CONFIDENT else "unsure"
-
-
-def are_near(key: str, other: str) -> bool:
-    """Return whether one of two effects states the other, which may be `none`, as its alias."""
-    return other in effect_of_key(key).aliases or (other != "none" and key in effect_of_key(other).aliases)
 
 
 def is_stage_right(truth: Effects, declared: Sequence[Effects], stage: str | None) -> bool:

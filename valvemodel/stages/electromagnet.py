@@ -69,8 +69,8 @@ EFFECTS = (
         meaning="the gain from current to flux falls above a knee",
         equation=r"i_e = i - (1 - r)\,a^2/(a + b),\quad a = \mathrm{ramp}_w(i - i_k)",
         source=(
-            "normal magnetisation curve of soft iron: two straight parts with a rounded knee (b = 0), or above the knee "
-            "Froehlich's hyperbola (r = 0), Elektrotechnische Zeitschrift 2 (1881); Kennelly (1891)"
+            "normal magnetisation curve of soft iron: two straight parts with a rounded knee (b = 0), or above the "
+            "knee Froehlich's hyperbola (r = 0), Elektrotechnische Zeitschrift 2 (1881); Kennelly (1891)"
         ),
         parameters=(
             Parameter(
@@ -85,7 +85,9 @@ EFFECTS = (
             ),
             Parameter("saturation_knee", "A", "current at the knee", 4e-3, 20e-3, 14e-3, (12e-3, 16e-3)),
             Parameter("saturation_rounding", "A", "width of the knee", 1e-4, 6e-3, 1e-3, (1e-3,)),
-            Parameter("saturation_reach", "A", "way above the knee over which the gain falls", 0.0, 0.5, 0.0, (0.0, 50e-3)),
+            Parameter(
+                "saturation_reach", "A", "way above the knee over which the gain falls", 0.0, 0.5, 0.0, (0.0, 50e-3)
+            ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation"),
         told_apart_by="a measured pressure shows it upstream of the stem",
