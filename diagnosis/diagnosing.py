@@ -30,7 +30,7 @@ from identification.holdout import Holdout, hold_out
 from identification.timing import experiments_of
 from identification.uncertainty import estimates
 from valvemodel.declarations import STAGES
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -143,6 +143,18 @@ class Diagnosis(Told):
         """The best cause."""
         return self.causes[0]
 
+    @property
+    def not_tried(self) -> list[str]:
+        """Effects that were no candidates, or that nothing called for."""
+        tried = {each.effects for each in self.causes}
+        return [effect.key for effect in EFFECTS if (effect.key,) not in tried]
+
+    @property
+    def untried_aliases(self) -> list[str]:
+        """Effects that were not tried and are declared to look like one that is named."""
+        named = self.cause.effects if self.verdict == "effect" else ()
+        return [key for key in self.not_tried if any(are_aliases(key, each) for each in named)]
+
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
         content = content_of(self)
@@ -169,9 +181,8 @@ class Diagnosis(Told):
             "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
-            "not_tried": [
-                effect.key for effect in EFFECTS if (effect.key,) not in {each.effects for each in self.causes}
-            ],
+            "not_tried": self.not_tried,
+            "untried_aliases": self.untried_aliases,
             "records": [experiment.name for experiment in self.experiments],
             "warnings": list(self.warnings),
             "seconds": self.seconds,
