@@ -75,11 +75,10 @@ def mark(kind: str, truth: Effects, diagnosis: Mapping[str, Any]) -> Mark:
     else:
         outcome = outcome_of(truth, verdict, named, declared)
         is_true = any(set(truth) == set(each) for each in family)
-    alike = [(key,) for key in diagnosis.get("untried_aliases", ())]
     return Mark(
         outcome=outcome,
         is_right=outcome in ("right", "alias") or (kind == "left-out" and outcome == "unknown"),
-        is_stage_right=is_stage_right(truth, [*declared, *alike], diagnosis["where"]["stage"]) if truth else None,
+        is_stage_right=is_stage_right(truth, declared, diagnosis["where"]["stage"]) if truth else None,
         said=said,
         is_true=is_true,
         named=named if verdict == "effect" else (),

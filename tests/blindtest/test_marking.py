@@ -129,12 +129,3 @@ def test_plants_that_a_refitted_base_imitates_are_told_apart():
     counts = counts_of([hidden, seen, result_of(0.9, True)])
     assert (counts["right"]["hits"], counts["right"]["of"]) == (1, 3)
     assert (counts["right_where_visible"]["hits"], counts["right_where_visible"]["of"]) == (1, 2)
-
-
-def test_stage_of_an_untried_alias_counts_beside_the_named_one():
-    diagnosis = said("effect", {"area_variation": 0.9}, stage="stem")
-    assert not mark("left-out", ("linkage_nonlinearity",), diagnosis).is_stage_right
-    diagnosis["untried_aliases"] = ["linkage_nonlinearity"]
-    assert mark("left-out", ("linkage_nonlinearity",), diagnosis).is_stage_right
-    diagnosis["untried_aliases"] = ["linkage_nonlinearity", "magnetic_saturation"]
-    assert not mark("left-out", ("linkage_nonlinearity",), diagnosis).is_stage_right
