@@ -41,6 +41,8 @@ def where_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     elif likely:
         names = [f"the {each.name} ({each.probability_text})" for each in likely]
         sentences.append(f"Most likely in {listed(names, 'or')}.")
+        if diagnosis["verdict"] == "unknown":
+            sentences.append("That is judged by which effects come nearest to it.")
     elif where.get("stage"):
         stage = where["stage"]
         sentences.append(f"In the {stage} ({STAGE_PARTS.get(stage, stage)}).")
