@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
@@ -49,6 +50,9 @@ REVERSED = 4
 
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
+
+BEHIND = 1.5
+"""Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
 
 LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
@@ -109,7 +113,7 @@ def try_together(
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         for _ in range(ALIAS_ROUNDS if size == 2 else 0):
-            tried += try_all(exchanged(tried, single), holdout, pool, progress, what)
+            tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -153,28 +157,34 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     ]
 
 
-def exchanged(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
+def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best causes of two effects with each exchanged for its aliases.
 
-    One that promises most on the leader's residual may only stand in for another that needs the leader's values moved.
+    One that promises most on the leader's residual may only stand in for another that needs the leader's values moved:
+    the alias is taken as fitted alone, and what stays with its numbers in the pair comes on top. A cause that was tried
+    and lies far behind is tried once more in that way.
     """
-    best = [each.effects for each in best_of(tried, 2)[:LEADERS]]
-    alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
-    known = {frozenset(each.effects) for each in tried}
-    work: list[Work] = []
-    for kept, left in [*best, *(effects[::-1] for effects in best)]:
-        for other in single:
-            cause = frozenset((kept, other))
-            if are_aliases(left, other) and kept != other and cause not in known and not effect_of_key(other).is_jagged:
-                known.add(cause)
-                work.append(Work(alone[kept], (kept, other), False, single[other]))
-    return work
+    known = {frozenset(each.effects): misfit(each) for each in tried}
+    work: dict[frozenset[str], Work] = {}
+    for best in best_of(tried, 2)[:LEADERS]:
+        for kept, left in (best.effects, best.effects[::-1]):
+            values = dict(best.fit.model.effects[kept])
+            for other in best_of(tried, 1):
+                key = other.effects[0]
+                cause = frozenset((key, kept))
+                is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
+                if are_aliases(left, key) and key != kept and is_behind and not effect_of_key(key).is_jagged:
+                    work.setdefault(cause, Work(other.fit, (key, kept), False, values))
+    return list(work.values())
 
 
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes, each replaced by the one of the same effects in another order that comes nearer."""
-    better = {frozenset(each.effects): each for each in others}
-    return [min(each, better.get(frozenset(each.effects), each), key=misfit) for each in tried]
+    """Return the causes, each as the one of the same effects that comes nearest, in whatever order of adding."""
+    best: dict[frozenset[str], Candidate] = {}
+    for each in (*tried, *others):
+        effects = frozenset(each.effects)
+        best[effects] = min(best.get(effects, each), each, key=misfit)
+    return list(best.values())
 
 
 def stopping_on(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:

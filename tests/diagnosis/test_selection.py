@@ -5,34 +5,49 @@ from types import SimpleNamespace
 import pytest
 
 from diagnosis.judgement import differ_by_aliases
-from diagnosis.selection import exchanged
+from diagnosis.selection import exchanged, with_better
 from diagnosis.trying import Candidate
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:
-    return Candidate(effects, "+".join(effects), SimpleNamespace(misfit=misfit))
+    values = {key: {"size": misfit} for key in effects}
+    fit = SimpleNamespace(name="+".join(effects), model=SimpleNamespace(effects=values))
+    return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
 
 
 def test_effects_of_the_best_pair_are_exchanged_for_their_aliases():
     keys = ("sensor_lag", "magnetic_saturation", "choked_flow", "coil_lag", "static_friction", "load_force")
     alone = [candidate(9.0, key) for key in keys]
     pair = candidate(2.0, "magnetic_saturation", "sensor_lag")
-    work = exchanged([candidate(20.0), *alone, pair], {key: {} for key in keys})
+    work = exchanged([candidate(20.0), *alone, pair])
     causes = {frozenset(each.effects): each for each in work}
     assert set(causes) == {
         frozenset(("choked_flow", "sensor_lag")),
         frozenset(("magnetic_saturation", "coil_lag")),
     }
-    # The effect that stays is fitted alone, the other comes on top of it.
-    assert all(each.fit == each.effects[0] for each in work)
-    assert causes[frozenset(("choked_flow", "sensor_lag"))].effects == ("sensor_lag", "choked_flow")
+    # The alias is fitted alone; what stays comes on top of it, with its numbers in the pair.
+    assert all(each.fit.name == each.effects[0] for each in work)
+    assert causes[frozenset(("choked_flow", "sensor_lag"))].effects == ("choked_flow", "sensor_lag")
+    assert all(each.known == {"size": 2.0} for each in work)
 
 
-def test_no_pair_is_exchanged_for_one_that_was_tried():
+@pytest.mark.parametrize(("behind", "count"), [(2.9, 0), (3.1, 1)])
+def test_pair_that_was_tried_is_tried_again_where_it_lies_far_behind(behind, count):
     keys = ("sensor_lag", "magnetic_saturation", "choked_flow")
     tried = [candidate(20.0), *(candidate(9.0, key) for key in keys)]
-    tried += [candidate(2.0, "magnetic_saturation", "sensor_lag"), candidate(3.0, "choked_flow", "sensor_lag")]
-    assert exchanged(tried, {key: {} for key in keys}) == []
+    tried += [candidate(2.0, "magnetic_saturation", "sensor_lag"), candidate(behind, "choked_flow", "sensor_lag")]
+    assert len(exchanged(tried)) == count
+
+
+def test_nearest_of_the_same_effects_is_kept():
+    tried = [candidate(20.0), candidate(5.0, "coil_lag", "end_stop")]
+    others = [candidate(4.0, "end_stop", "coil_lag"), candidate(6.0, "coil_lag", "end_stop")]
+    others.append(candidate(7.0, "air_leak"))
+    assert [each.score.misfit for each in with_better(tried, others)] == [20.0, 4.0, 7.0]
+        candidate(6.0, "coil_lag", "end_stop"),
+        candidate(7.0, "air_leak"),
+    ]
+    assert [each.score.misfit for each in with_better(tried, others)] == [20.0, 4.0, 7.0]
 
 
 @pytest.mark.parametrize(
