@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.sliders import bend_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
@@ -190,6 +191,25 @@ EFFECTS = (
                 2e-5,
                 0.0,
                 (2e-7, 2e-6),
+            ),
+            Parameter(
+                "bristle_damping",
+                "N s/m",
+                "D: viscous friction of bristles as they bend",
+                0.0,
+                1e4,
+                0.0,
+                (0.0, 400.0),
+            ),
+            Parameter("bristle_exponent", "1", "n: how fast the bristles give way near F", 1.0, 3.0, 1.0, (1.0,)),
+            Parameter(
+                "slider_share",
+                "1",
+                "s: share of the friction in sliders that yield one by one, at forces spread from 0 to 2 F",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
             ),
         ),
         aliases=("linkage_backlash", "magnetic_hysteresis"),
@@ -461,3 +481,5 @@ def put_stem(p, state, position, pressure, time):
     state.mode = STUCK
     limit = limiting_friction(p, 0.0, position, pressure, time, 0.0)
     state.bristle = min(max(thrust(p, position, pressure, time), -limit), limit)
+    if p.slider_share > 0.0:
+        bend_sliders(p, state, state.bristle)

@@ -7,8 +7,9 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import bristle_stiffness, lay_bristles
+from valvemodel.stages.presliding import bristle_viscosity, elastic_stiffness, lay_bristles, with_sliders
 from valvemodel.stages.response import remember_response
+from valvemodel.stages.sliders import force_of_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
     sliding_friction,
@@ -50,7 +51,12 @@ def begin_step(p, state, memory, time):
     if state.plan_elastic == 1.0:
         memory.bristles[0] = side * state.bristle
         limit = limiting_friction(p, side, position, pressure, time, speed)
-        stiffness += bristle_stiffness(p, memory.bristles[0], limit)
+        stiffness += elastic_stiffness(p, state, side, limit)
+        memory.limits[0] = limit
+        if p.slider_share > 0.0:
+            memory.slid[0] = side * force_of_sliders(p, state)
+        if p.bristle_damping > 0.0:
+            damping += bristle_viscosity(p, memory.bristles[0], limit)
     elif p.stribeck_ratio > 1.0:
         excess = stribeck_excess(p, sliding_friction(p, side, position, pressure, time), speed)
         damping -= stribeck_slope(p, excess, speed)
@@ -63,13 +69,17 @@ def slip_force(p, state, memory, node, position, speed):
     """Return the net force along its side on a stem that slips, at a node of the step. [N]"""
     side, pressure = memory.step_side, memory.step_pressures[node]
     time = memory.step_time + node * memory.step_spacing
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     if state.plan_elastic == 1.0:
         friction = memory.bristles[node]
+        if p.bristle_damping > 0.0:
+            viscous += bristle_viscosity(p, friction, memory.limits[node])
+        if p.slider_share > 0.0:
+            friction = with_sliders(p, friction, memory.slid[node])
     else:
         friction = sliding_friction(p, side, position, pressure, time)
         if p.stribeck_ratio > 1.0:
             friction += stribeck_excess(p, friction, speed)
-    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     return side * thrust(p, position, pressure, time) - friction - viscous * speed
 
 
