@@ -8,6 +8,7 @@ from valvemodel.compiled import compiled
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.presliding import (
     bristle_after,
+    bristle_stiffness,
     bristle_viscosity,
     elastic_friction,
     elastic_stiffness,
@@ -54,10 +55,14 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     speed, room = side * state.velocity, room_to(state, side)
     limit = limiting_friction(p, side, position, pressure, middle, speed)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
-    stiffness = tangent_stiffness(p, side, position, pressure, middle) + elastic_stiffness(p, state, side, limit)
+    bending = bristle_stiffness(p, side * state.bristle, limit)
+    stiffness = tangent_stiffness(p, side, position, pressure, middle)
+    stiffness += elastic_stiffness(p, state, side, limit, bending)
     sliding = viscous
     if p.bristle_damping > 0.0:
-        viscous += bristle_viscosity(p, side * state.bristle, limit)
+        fading = bristle_viscosity(p, bending)
+        viscous += fading
+        stiffness -= fading * speed / (limit * p.presliding_compliance)
     start = (side * net - viscous * speed) / mass
     if (
         speed == 0.0
@@ -77,10 +82,11 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         next_acceleration, way = av * speed + aa * start, yv * speed + ya * start
         end = position + side * way
         limit = limiting_friction(p, side, end, pressure, middle, next_speed)
-        left_over = side * thrust(p, end, pressure, middle) - friction_after(p, state, side, way, limit)
+        bristle = bristle_after(p, state, side, way, limit)
+        left_over = side * thrust(p, end, pressure, middle) - friction_after(p, state, side, way, limit, bristle)
         next_viscous = sliding
         if p.bristle_damping > 0.0:
-            next_viscous += bristle_viscosity(p, bristle_after(p, state, side, way, limit), limit)
+            next_viscous += bristle_viscosity(p, bristle_stiffness(p, bristle, limit))
         left_over -= next_viscous * next_speed + mass * next_acceleration
         factor = step_factor(left_over, allowed)
         if factor >= CAUTION or step <= SHORTEST_STEP:

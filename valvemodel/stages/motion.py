@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
-from valvemodel.stages.presliding import bristle_viscosity, elastic_friction, rests_on_bristles
+from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
@@ -305,7 +305,7 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
     limit = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     if p.bristle_damping > 0.0:
-        viscous += bristle_viscosity(p, side * state.bristle, limit)
+        viscous += bristle_viscosity(p, bristle_stiffness(p, side * state.bristle, limit))
     net = side * (thrust(p, position, pressure, 0.0) - elastic_friction(p, state) - viscous * state.velocity)
     is_held = memory.part_count == 0.0
     if is_held and side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:

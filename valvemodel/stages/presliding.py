@@ -32,11 +32,10 @@ def bristle_stiffness(p, bristle, limit):
     return room / p.presliding_compliance
 
 
-@compiled
-def bristle_viscosity(p, bristle, limit):
-    """Return the viscous friction of the bristles: it fades as they slide. [N s/m]"""
-    viscosity = p.bristle_damping * p.presliding_compliance * bristle_stiffness(p, bristle, limit)
-    return (1.0 - p.slider_share) * viscosity
+@inlined
+def bristle_viscosity(p, stiffness):
+    """Return the viscous friction of bristles of a stiffness: both fade as they slide. [N s/m]"""
+    return (1.0 - p.slider_share) * p.bristle_damping * p.presliding_compliance * stiffness
 
 
 @compiled
@@ -63,9 +62,8 @@ def elastic_friction(p, state):
 
 
 @compiled
-def elastic_stiffness(p, state, side, limit):
-    """Return by how much that force grows with the way to one side. [N/m]"""
-    stiffness = bristle_stiffness(p, side * state.bristle, limit)
+def elastic_stiffness(p, state, side, limit, stiffness):
+    """Return by how much that force grows with the way to one side, from the stiffness of the bristles. [N/m]"""
     if p.slider_share == 0.0:
         return stiffness
     return with_sliders(p, stiffness, stiffness_of_sliders(p, state, side, limit))
@@ -79,9 +77,8 @@ def bristle_after(p, state, side, way, limit):
 
 
 @compiled
-def friction_after(p, state, side, way, limit):
-    """Return the force of bristles and sliders after a way to one side, counted against it. [N]"""
-    bristle = bristle_after(p, state, side, way, limit)
+def friction_after(p, state, side, way, limit, bristle):
+    """Return the force of bristles, given, and sliders after a way to one side, counted against it. [N]"""
     if p.slider_share == 0.0:
         return bristle
     return with_sliders(p, bristle, sliders_after(p, state, side, way, limit))

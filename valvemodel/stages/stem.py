@@ -199,7 +199,8 @@ EFFECTS = (
                 0.0,
                 1e4,
                 0.0,
-                (0.0, 400.0),
+                (100.0,),
+                typical=0.0,
             ),
             Parameter("bristle_exponent", "1", "n: how fast the bristles give way near F", 1.0, 3.0, 1.0, (1.0,)),
             Parameter(

@@ -7,7 +7,13 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import bristle_viscosity, elastic_stiffness, lay_bristles, with_sliders
+from valvemodel.stages.presliding import (
+    bristle_stiffness,
+    bristle_viscosity,
+    elastic_stiffness,
+    lay_bristles,
+    with_sliders,
+)
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.sliders import force_of_sliders
 from valvemodel.stages.stem import (
@@ -51,12 +57,13 @@ def begin_step(p, state, memory, time):
     if state.plan_elastic == 1.0:
         memory.bristles[0] = side * state.bristle
         limit = limiting_friction(p, side, position, pressure, time, speed)
-        stiffness += elastic_stiffness(p, state, side, limit)
+        bending = bristle_stiffness(p, memory.bristles[0], limit)
+        stiffness += elastic_stiffness(p, state, side, limit, bending)
         memory.limits[0] = limit
         if p.slider_share > 0.0:
             memory.slid[0] = side * force_of_sliders(p, state)
         if p.bristle_damping > 0.0:
-            damping += bristle_viscosity(p, memory.bristles[0], limit)
+            damping += bristle_viscosity(p, bending)
     elif p.stribeck_ratio > 1.0:
         excess = stribeck_excess(p, sliding_friction(p, side, position, pressure, time), speed)
         damping -= stribeck_slope(p, excess, speed)
@@ -73,7 +80,7 @@ def slip_force(p, state, memory, node, position, speed):
     if state.plan_elastic == 1.0:
         friction = memory.bristles[node]
         if p.bristle_damping > 0.0:
-            viscous += bristle_viscosity(p, friction, memory.limits[node])
+            viscous += bristle_viscosity(p, bristle_stiffness(p, friction, memory.limits[node]))
         if p.slider_share > 0.0:
             friction = with_sliders(p, friction, memory.slid[node])
     else:
