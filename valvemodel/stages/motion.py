@@ -11,7 +11,7 @@ from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, e
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
-from valvemodel.stages.sliders import stiffness_of_sliders
+from valvemodel.stages.sliders import has_sliders, stiffness_of_sliders
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
@@ -313,7 +313,7 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
         come_to_rest(state)
         return 0.0
     is_bent = (1.0 - p.slider_share) * (limit - side * state.bristle) <= BENT * tolerance * p.spring_rate
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         is_bent = is_bent and stiffness_of_sliders(p, state, side, limit) == 0.0
     if is_held and is_bent:
         state.bristle = side * limit

@@ -9,6 +9,7 @@ from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.sliders import (
     force_of_sliders,
+    has_sliders,
     lay_sliders,
     pull_sliders,
     sliders_after,
@@ -23,11 +24,21 @@ SETTLED = 0.01
 """Share of the tolerance below which the next elastic swing is left out: the stem is at its balance."""
 
 
+STRAIGHT = 1e-8
+"""An exponent that is above 1 by less is 1."""
+
+
+@inlined
+def is_curved(p):
+    """Return whether bristles fade as a power of the way, not as an exponential."""
+    return p.bristle_exponent > 1.0 + STRAIGHT
+
+
 @compiled
 def bristle_stiffness(p, bristle, limit):
     """Return by how much the force of the bristles grows with the way, at least 0. [N/m]"""
     room = max(1.0 - bristle / limit, 0.0)
-    if p.bristle_exponent != 1.0:
+    if is_curved(p):
         room **= p.bristle_exponent
     return room / p.presliding_compliance
 
@@ -41,9 +52,9 @@ def bristle_viscosity(p, stiffness):
 @compiled
 def fade_after(p, room, way):
     """Return what is left, as a share, of the room of bristles over their limit after a way over their reach."""
-    bend = p.bristle_exponent - 1.0
-    if bend == 0.0:
+    if not is_curved(p):
         return math.exp(-way)
+    bend = p.bristle_exponent - 1.0
     return math.exp(-math.log1p(bend * abs(room) ** bend * way) / bend)
 
 
@@ -56,7 +67,7 @@ def with_sliders(p, bristle, slider):
 @compiled
 def elastic_friction(p, state):
     """Return the force of bristles and sliders on a stem, down positive. [N]"""
-    if p.slider_share == 0.0:
+    if not has_sliders(p):
         return state.bristle
     return with_sliders(p, state.bristle, force_of_sliders(p, state))
 
@@ -64,7 +75,7 @@ def elastic_friction(p, state):
 @compiled
 def elastic_stiffness(p, state, side, limit, stiffness):
     """Return by how much that force grows with the way to one side, from the stiffness of the bristles. [N/m]"""
-    if p.slider_share == 0.0:
+    if not has_sliders(p):
         return stiffness
     return with_sliders(p, stiffness, stiffness_of_sliders(p, state, side, limit))
 
@@ -79,7 +90,7 @@ def bristle_after(p, state, side, way, limit):
 @compiled
 def friction_after(p, state, side, way, limit, bristle):
     """Return the force of bristles, given, and sliders after a way to one side, counted against it. [N]"""
-    if p.slider_share == 0.0:
+    if not has_sliders(p):
         return bristle
     return with_sliders(p, bristle, sliders_after(p, state, side, way, limit))
 
@@ -88,7 +99,7 @@ def friction_after(p, state, side, way, limit, bristle):
 def pull_bristles(p, state, side, way, limit):
     """Take bristles and sliders along a way to one side."""
     state.bristle = side * bristle_after(p, state, side, way, limit)
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         pull_sliders(p, state, side, way, limit)
 
 
@@ -122,7 +133,7 @@ def is_negligible(p, state, memory, time, net, tolerance):
     limit = limiting_friction(p, 0.0, state.position, pressure_at(memory, time), time, 0.0)
     # Near the limit a small force bends them far, and what they forget by swinging back tells then.
     stiffness = bristle_stiffness(p, abs(state.bristle), limit)
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         rising = stiffness_of_sliders(p, state, RISING, limit)
         stiffness = with_sliders(p, stiffness, min(rising, stiffness_of_sliders(p, state, FALLING, limit)))
     return abs(net) <= min(SETTLED * tolerance * max(stiffness, 1e-9 / p.presliding_compliance), FORGOTTEN * limit)
@@ -144,7 +155,7 @@ def lay_bristles(p, state, memory, count):
         speed = max(memory.speeds[node], 0.0)
         memory.limits[node] = limiting_friction(p, side, position, memory.step_pressures[node], time, speed)
     departure, memory.bristles_off = start - memory.limits[0], 0.0
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         lay_sliders(p, state, memory, count, False)
     if state.plan_limit_held == 1.0:
         for node in range(1, count + 1):
@@ -152,7 +163,7 @@ def lay_bristles(p, state, memory, count):
             fade = fade_after(p, departure / memory.limits[0], memory.ways[node] / reach)
             memory.bristles[node] = memory.limits[node] + departure * fade
         return
-    if p.bristle_exponent != 1.0:
+    if is_curved(p):
         lay_curved_bristles(p, memory, count)
         return
     for node in range(count + 1):

@@ -9,9 +9,15 @@ import numpy as np
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, ORDER
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import fade_after, with_sliders
+from valvemodel.stages.presliding import fade_after, is_curved, with_sliders
 from valvemodel.stages.rest import come_to_rest, meet_limit
-from valvemodel.stages.sliders import force_of_sliders, pull_sliders, stiffness_of_sliders, way_to_sliding
+from valvemodel.stages.sliders import (
+    force_of_sliders,
+    has_sliders,
+    pull_sliders,
+    stiffness_of_sliders,
+    way_to_sliding,
+)
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
@@ -55,13 +61,14 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     """
     side, position, mass, speed = state.mode, state.position, p.stem_mass, state.mode * state.velocity
     departure, reach = limit - side * state.bristle, limit * p.presliding_compliance
-    bend, sliding, missing, yielding = p.bristle_exponent - 1.0, limit, departure, math.inf
+    bend = p.bristle_exponent - 1.0 if is_curved(p) else 0.0
+    sliding, missing, yielding = limit, departure, math.inf
     if bend > 0.0:
         reach = reach / max(abs(departure / limit), LEAST_ROOM) ** bend
     bound = min(TERM_SHARE * tolerance, REACH_SHARE * reach)
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         departure *= 1.0 - p.slider_share
         sliding = with_sliders(p, limit, side * force_of_sliders(p, state))
         stiffness += p.slider_share * stiffness_of_sliders(p, state, side, limit) / mass
@@ -87,7 +94,7 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     if way_at(memory, order, share) > yielding:
         share, has_stopped = place_of_way(memory, order, share, yielding), False
     share, way = leave_series(p, state, memory, order, share, step, has_stopped)
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         pull_sliders(p, state, side, way, limit)
     state.bristle = side * (limit - missing * fade_after(p, missing / limit, way / (limit * p.presliding_compliance)))
     return share * step

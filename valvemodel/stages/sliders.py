@@ -18,6 +18,16 @@ TAKEN_UP = 1e-12
 """A slider with less room slides. [m]"""
 
 
+LEAST_SHARE = 1e-8
+"""Of the friction, below which sliders are left out: 0, to a search that stays within its bounds."""
+
+
+@inlined
+def has_sliders(p):
+    """Return whether sliders carry a share of the friction."""
+    return p.slider_share > LEAST_SHARE
+
+
 @inlined
 def bend_after(bend, way, room):
     """Return how far a slider is bent along the motion after a way. [m]"""

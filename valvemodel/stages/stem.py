@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
-from valvemodel.stages.sliders import bend_sliders
+from valvemodel.stages.sliders import bend_sliders, has_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
@@ -482,5 +482,5 @@ def put_stem(p, state, position, pressure, time):
     state.mode = STUCK
     limit = limiting_friction(p, 0.0, position, pressure, time, 0.0)
     state.bristle = min(max(thrust(p, position, pressure, time), -limit), limit)
-    if p.slider_share > 0.0:
+    if has_sliders(p):
         bend_sliders(p, state, state.bristle)

@@ -15,7 +15,7 @@ from valvemodel.stages.presliding import (
     with_sliders,
 )
 from valvemodel.stages.response import remember_response
-from valvemodel.stages.sliders import force_of_sliders
+from valvemodel.stages.sliders import force_of_sliders, has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
     sliding_friction,
@@ -60,7 +60,7 @@ def begin_step(p, state, memory, time):
         bending = bristle_stiffness(p, memory.bristles[0], limit)
         stiffness += elastic_stiffness(p, state, side, limit, bending)
         memory.limits[0] = limit
-        if p.slider_share > 0.0:
+        if has_sliders(p):
             memory.slid[0] = side * force_of_sliders(p, state)
         if p.bristle_damping > 0.0:
             damping += bristle_viscosity(p, bending)
@@ -81,7 +81,7 @@ def slip_force(p, state, memory, node, position, speed):
         friction = memory.bristles[node]
         if p.bristle_damping > 0.0:
             viscous += bristle_viscosity(p, bristle_stiffness(p, friction, memory.limits[node]))
-        if p.slider_share > 0.0:
+        if has_sliders(p):
             friction = with_sliders(p, friction, memory.slid[node])
     else:
         friction = sliding_friction(p, side, position, pressure, time)

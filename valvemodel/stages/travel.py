@@ -9,7 +9,7 @@ from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_power
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.sensor import bow_left_out
-from valvemodel.stages.sliders import lay_sliders, way_to_sliding
+from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, thrust
 from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
@@ -63,7 +63,7 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     contact = math.inf
     if p.sensor_time_constant > 0.0:
         contact = state.mode * (state.linkage - state.position) + p.backlash_half_width
-    if p.slider_share > 0.0 and state.plan_elastic == 1.0:
+    if has_sliders(p) and state.plan_elastic == 1.0:
         contact = min(contact, way_to_sliding(p, state, state.mode, memory.limits[0]))
     for _ in range(ROUNDS):
         kind, low, high = first_event(p, state, memory, count, ended, room, contact)
@@ -217,7 +217,7 @@ def finish_step(p, state, memory, count, ended):
     state.position, state.velocity = memory.step_position + side * way, side * speed
     if state.plan_elastic == 1.0:
         state.bristle = side * memory.bristles[count]
-        if p.slider_share > 0.0:
+        if has_sliders(p):
             lay_sliders(p, state, memory, count, True)
     if ended == LIMIT:
         meet_limit(p, state, speed)
