@@ -66,7 +66,8 @@ class BristleStem:
     def move(self, begin: float, left: float) -> tuple[Flow | None, float]:
         """Move until an end of the travel or the end of what is left; return the flow, if any, and its time.
 
-        With sliders a flow ends at a reversal as well: to one side they are functions of the way and the limit.
+        With sliders a flow ends at a reversal as well: to one side they are functions of the way and of the limit,
+        which they follow at once (slower than the stem moves, or this is not their law).
         """
         if self.is_blocked(begin):
             is_free = not self.is_blocked(begin + left)
@@ -94,7 +95,7 @@ class BristleStem:
         found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
         self.position, self.velocity, self.bristle = found(lasted)
         pressure = self.pressure(begin + lasted)
-        limit = sliding_limit(n, self.position, self.velocity, pressure, self.time + begin + lasted)
+        limit = sliding_limit(n, self.position, side * abs(self.velocity), pressure, self.time + begin + lasted)
         self.sliders = [side * bend for bend in self.bends(side, self.position - begun, limit)]
         if has_hit and not self.lowest < self.position < self.highest:
             self.position = min(max(self.position, self.lowest), self.highest)

@@ -11,6 +11,7 @@ from valvemodel.stages.presliding import (
     bristle_stiffness,
     bristle_viscosity,
     elastic_stiffness,
+    is_curved,
     lay_bristles,
     with_sliders,
 )
@@ -113,12 +114,19 @@ def sweep_step(p, state, memory, length, count, tolerance):
     share = SWING_SHARE if state.plan_elastic == 1.0 else STEP_SHARE
     usable = share * state.plan_share * tolerance
     moved, left, allowed = math.inf, math.inf, usable
+    # What curved bristles lack at the end of a step stays: it moves the stem as far as the spring lets it.
+    follows = state.plan_elastic == 1.0 and state.plan_limit_held == 0.0 and is_curved(p)
+    lasting = p.presliding_compliance + (1.0 / p.spring_rate if p.spring_rate > 0.0 else 0.0)
+    bristle = math.inf
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
         way, speed = memory.ways[count], memory.speeds[count]
         lay_motion(memory, count)
         before = moved
         moved = abs(memory.ways[count] - way) + state.plan_response * abs(memory.speeds[count] - speed)
+        if follows:
+            moved += lasting * abs(memory.bristles[count] - bristle)
+            bristle = memory.bristles[count]
         # Each pass gains by as much as the last one did.
         left = 0.0 if is_linear else moved * min(moved / before, 1.0) if before < math.inf else moved
         if memory.step_damping < 0.0:
@@ -132,8 +140,11 @@ def sweep_step(p, state, memory, length, count, tolerance):
     off = left_out(count, memory.pull_powers)
     if state.plan_elastic == 1.0:
         off += memory.bristles_off / p.stem_mass
+    error = off * abs(reach)
+    if follows:
+        error += lasting * memory.bristles_off
     # What the passes leave is bounded: it says nothing about the length.
-    return off * abs(reach) / allowed
+    return error / allowed
 
 
 @compiled
