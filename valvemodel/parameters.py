@@ -13,6 +13,7 @@ from valvemodel.stages import EFFECTS
 from valvemodel.stages.line import CAPACITY
 from valvemodel.stages.nodes import NODES, ORDER
 from valvemodel.stages.plays import PLAYS
+from valvemodel.stages.sliders import SLIDERS
 
 _HERE = Path(__file__).parent
 _COMPILED = (
@@ -65,7 +66,7 @@ STATE = np.dtype(
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
         )
     ]
-    + [("plays", "f8", (PLAYS,))]
+    + [("plays", "f8", (PLAYS,)), ("sliders", "f8", (SLIDERS,))]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
 
@@ -117,7 +118,7 @@ MEMORY = np.dtype(
         (name, "f8", _ROW)
         for name in (
             "part_powers", "currents", "gaps", "pressures", "shares",
-            "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "limits", "feeds",
+            "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "slid", "limits", "feeds",
             "forces", "values", "powers",
         )
     ]

@@ -69,8 +69,9 @@ def test_every_effect_says_how_it_enters():
     assert set(TREATMENTS) == {effect.key for effect in EFFECTS}
 
 
-def test_stuck_stem_yields_as_the_exact_simulator_on_its_bristles():
-    model = valve(presliding={"presliding_compliance": 2e-6})
+@pytest.mark.parametrize("law", [{}, {"bristle_damping": 400.0}, {"slider_share": 0.5, "bristle_damping": 400.0}])
+def test_stuck_stem_yields_as_the_exact_simulator_on_its_bristles(law):
+    model = valve(presliding={"presliding_compliance": 2e-6, **law})
     found = linearise(model, current=11e-3, mode="stuck")
     time = np.linspace(0.0, 0.02, 11)
     ends = []

@@ -82,6 +82,21 @@ def test_effects_converge_to_the_exact_run(key):
     assert narrow <= wide * 1.001
 
 
+LAWS = [{"bristle_damping": 400.0}, {"bristle_exponent": 1.4}, {"slider_share": 1.0}]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: next(iter(law)))
+def test_every_law_of_presliding_is_close_to_the_exact_run_on_a_triangle(law):
+    model, plain = (base().with_effect("presliding", presliding_compliance=2e-6, **each) for each in (law, {}))
+    triangle = TIME < 12.0
+    off = apart(model, 0.1, parts=8)[triangle]
+    with_law, without = (simulate(each, time=TIME, current=CURRENT, start_position=0.02) for each in (model, plain))
+    change = (with_law.position - without.position)[triangle]
+    left_over, size = (float(np.sqrt(np.mean(each**2))) for each in (off, change))
+    assert left_over < 0.85 * size
+    assert left_over < 0.5 * LEFT_OVER["presliding"]
+
+
 @pytest.mark.parametrize("key", ["coil_lag", "chamber_filling", "spring_hardening", "sensor_lag"])
 def test_what_a_part_takes_as_straight_falls_with_the_parts(key):
     model = with_effect(key)
@@ -102,7 +117,15 @@ def test_an_effect_at_its_neutral_values_is_absent(key):
 
 @pytest.mark.parametrize("key", [None, *(key for key in KEYS if key not in WITHOUT_SMOOTH_FORM)])
 def test_derivatives_of_a_step_agree_with_differences(key):
-    model = base() if key is None else with_effect(key)
+    check_derivatives(base() if key is None else with_effect(key))
+
+
+def test_derivatives_of_a_step_on_sliders_and_curved_bristles_agree_with_differences():
+    law = {"bristle_damping": 400.0, "bristle_exponent": 1.4, "slider_share": 0.5}
+    check_derivatives(base().with_effect("presliding", presliding_compliance=2e-6, **law))
+
+
+def check_derivatives(model: Model) -> None:
     chain = SmoothChain(model)
     p = chain.values(30.0)
     states = [chain.start(0.1, 12e-3, p).full().ravel()]

@@ -19,7 +19,9 @@ TREATMENTS = {
     "position_dependent_friction": Treatment(True, "a stiffness, the slope of friction in position"),
     "pressure_dependent_friction": Treatment(True, "less area rising and more falling, by its slope"),
     "presliding": Treatment(
-        True, "stuck: the bristles' stiffness adds to the spring's; in slip they follow the friction at speed/(C F)"
+        True,
+        "stuck: the bristles' stiffness and damping add to the spring's and the stem's; in slip sliders follow the "
+        "friction at once, bristles at speed/(C F), and not at all where their exponent is above 1",
     ),
     "spring_hardening": Treatment(True, "the tangent stiffness"),
     "area_variation": Treatment(True, "the effective area, and a stiffness of the pressure"),
@@ -40,12 +42,17 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     damping = numbers["viscous_friction"] * (1.0 + numbers["viscous_asymmetry"] * point.side)
     if point.side == 0.0:
         stiffness += 1.0 / compliance
+        damping += (1.0 - numbers["slider_share"]) * numbers["bristle_damping"]
         return [_oscillator(mass, damping, stiffness, area)]
     by_position, by_speed, by_pressure = friction_slopes(numbers, point)
     if compliance == 0.0:
         return [_oscillator(mass, damping + by_speed, stiffness + by_position, area - by_pressure)]
-    rate = point.speed / (compliance * point.friction)
-    return [_bristled(mass, damping, stiffness, area, rate, (by_position, by_speed, by_pressure))]
+    share, follows = numbers["slider_share"], numbers["bristle_exponent"] == 1.0
+    rate = point.speed / (compliance * point.friction) if follows else 0.0
+    own = (damping + share * by_speed, stiffness + share * by_position, area - share * by_pressure)
+    viscous = numbers["bristle_damping"] * compliance
+    slopes = (by_position, by_speed, by_pressure)
+    return [_bristled(mass, *own, bristles=1.0 - share, viscous=viscous, rate=rate, slopes=slopes)]
 
 
 def friction_slopes(numbers: Mapping[str, float], point: OperatingPoint) -> tuple[float, float, float]:
@@ -77,18 +84,25 @@ def _oscillator(mass: float, damping: float, stiffness: float, area: float) -> c
 
 
 def _bristled(
-    mass: float, damping: float, stiffness: float, area: float, rate: float, slopes: tuple[float, float, float]
+    mass: float,
+    damping: float,
+    stiffness: float,
+    area: float,
+    *,
+    bristles: float,
+    viscous: float,
+    rate: float,
+    slopes: tuple[float, float, float],
 ) -> ct.StateSpace:
-    """Return a stem on bristles that are bent to the friction, which they follow at a rate. [1/s]"""
+    """Return a stem on bristles that are bent to the friction, which they follow at a rate [1/s].
+
+    They carry a share of the friction, and so many seconds of its change by their damping.
+    """
     by_position, by_speed, by_pressure = slopes
-    a = np.array(
-        [
-            [0.0, 1.0, 0.0],
-            [-stiffness / mass, -damping / mass, -1.0 / mass],
-            [rate * by_position, rate * by_speed, -rate],
-        ]
-    )
-    b = np.array([[0.0], [area / mass], [rate * by_pressure]])
+    follows = np.array([rate * by_position, rate * by_speed, -rate])
+    moves = np.array([-stiffness, -damping, -bristles]) - bristles * viscous * follows
+    a = np.array([[0.0, 1.0, 0.0], moves / mass, follows])
+    b = np.array([[0.0], [(area - bristles * viscous * rate * by_pressure) / mass], [rate * by_pressure]])
     states, size = ["position", "velocity", "bristle_force"], 3 if rate > 0.0 else 2
     c = np.array([[1.0, 0.0, 0.0]])
     return block("stem", a[:size, :size], b[:size], c[:, :size], [[0.0]], states[:size], "pressure", "position")

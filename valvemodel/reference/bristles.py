@@ -1,4 +1,4 @@
-"""Motion of a stem on elastic friction: Dahl's bristles, with F_s > F_c those of LuGre. It is never quite stuck."""
+"""Motion of a stem on elastic friction: Dahl's and LuGre's bristles and Iwan's sliders. It is never quite stuck."""
 
 from __future__ import annotations
 
@@ -32,8 +32,12 @@ STATIC_DECAY = 1e-3
 """Speed over which breakaway friction that is not Stribeck's falls to Coulomb's. [m/s]"""
 
 
+SLIDERS = 16
+"""Sliders in parallel, elastic up to forces that are spread evenly from 0 to twice their mean."""
+
+
 class BristleStem:
-    """Position, velocity and the force of the bristles."""
+    """Position, velocity, the force of the bristles, and how far each slider is bent."""
 
     def __init__(self, numbers: SimpleNamespace, position: float, pressure: float) -> None:
         self.numbers = numbers
@@ -44,6 +48,7 @@ class BristleStem:
         self.time = 0.0
         limit = sliding_limit(numbers, self.position, 0.0, pressure, 0.0)
         self.bristle = min(max(thrust(numbers, self.position, pressure, 0.0), -limit), limit)
+        self.sliders = [yields * self.bristle * numbers.presliding_compliance for yields in slider_yields()]
 
     def hold(self, pressure: Pressure, time: float, duration: float) -> Iterator[tuple[Motion, float]]:
         """Hold a current; yield each stretch of motion to one side, and how long it takes."""
@@ -59,35 +64,71 @@ class BristleStem:
             used = duration if lasted == duration - used else used + lasted
 
     def move(self, begin: float, left: float) -> tuple[Flow | None, float]:
-        """Move until an end of the travel or the end of what is left; return the flow, if any, and its time."""
+        """Move until an end of the travel or the end of what is left; return the flow, if any, and its time.
+
+        With sliders a flow ends at a reversal as well: to one side they are functions of the way and of the limit,
+        which they follow at once (slower than the stem moves, or this is not their law).
+        """
         if self.is_blocked(begin):
             is_free = not self.is_blocked(begin + left)
             return None, first_instant(lambda t: not self.is_blocked(begin + t), left) if is_free else left
 
         def slope(instant: float, state: State) -> State:
-            n, time, pressure = self.numbers, self.time + begin + instant, self.pressure(begin + instant)
+            time, pressure = self.time + begin + instant, self.pressure(begin + instant)
             position, velocity, bristle = state
             damping = viscous_friction(n, copysign(1.0, velocity))
-            net = thrust(n, position, pressure, time) - bristle - damping * velocity
+            net = thrust(n, position, pressure, time) - damping * velocity
             limit = sliding_limit(n, position, velocity, pressure, time)
-            bending = (velocity - abs(velocity) * bristle / limit) / n.presliding_compliance
-            return [velocity, net / n.stem_mass, bending]
+            room = 1.0 - copysign(1.0, velocity) * bristle / limit
+            bending = velocity * copysign(abs(room) ** n.bristle_exponent, room) / n.presliding_compliance
+            resisting = bristle + n.bristle_damping * n.presliding_compliance * (bending if room > 0.0 else 0.0)
+            if n.slider_share > 0.0:
+                sliders = side * sum(self.bends(side, position - begun, limit)) / (SLIDERS * n.presliding_compliance)
+                resisting += n.slider_share * (sliders - resisting)
+            return [velocity, (net - resisting) / n.stem_mass, bending]
 
         def is_beyond(_: float, state: State) -> bool:
-            return not self.lowest <= state[0] <= self.highest
+            has_turned = n.slider_share > 0.0 and side * state[1] < 0.0
+            return has_turned or not self.lowest <= state[0] <= self.highest
 
+        n, begun, side = self.numbers, self.position, self.side(begin)
         found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
         self.position, self.velocity, self.bristle = found(lasted)
-        if has_hit:
+        pressure = self.pressure(begin + lasted)
+        limit = sliding_limit(n, self.position, side * abs(self.velocity), pressure, self.time + begin + lasted)
+        self.sliders = [side * bend for bend in self.bends(side, self.position - begun, limit)]
+        if has_hit and not self.lowest < self.position < self.highest:
             self.position = min(max(self.position, self.lowest), self.highest)
             self.velocity = rebound(self.numbers, self.velocity)
         return found, lasted
 
+    def bends(self, side: float, way: float, limit: float) -> list[float]:
+        """Return how far the sliders are bent along a motion to one side, after a way. [m]"""
+        reach = limit * self.numbers.presliding_compliance
+        pairs = zip(self.sliders, slider_yields(), strict=True)
+        return [min(side * (bend + way), yields * reach) for bend, yields in pairs]
+
+    def net(self, instant: float) -> float:
+        """Return the force on the stem, were it at rest. [N]"""
+        n = self.numbers
+        sliders = sum(self.sliders) / (SLIDERS * n.presliding_compliance)
+        elastic = self.bristle + n.slider_share * (sliders - self.bristle)
+        return thrust(n, self.position, self.pressure(instant), self.time + instant) - elastic
+
+    def side(self, instant: float) -> float:
+        """Return the side to which the stem moves, or begins to move."""
+        return copysign(1.0, self.velocity if self.velocity != 0.0 else self.net(instant))
+
     def is_blocked(self, instant: float) -> bool:
         """Return whether an end of the travel holds the stem."""
-        net = thrust(self.numbers, self.position, self.pressure(instant), self.time + instant) - self.bristle
+        net = self.net(instant)
         is_at_end = self.position >= self.highest if net > 0.0 else self.position <= self.lowest
         return self.velocity == 0.0 and is_at_end
+
+
+def slider_yields() -> list[float]:
+    """Return the force at which each slider slides, over their mean."""
+    return [(2.0 * number + 1.0) / SLIDERS for number in range(SLIDERS)]
 
 
 def sliding_limit(n: SimpleNamespace, position: float, velocity: float, pressure: float, time: float) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 
 from valvemodel.equations.symbolic import driving_force
-from valvemodel.smooth.presliding import advance_presliding
+from valvemodel.smooth.presliding import SLIDER_STATES, advance_presliding, bend_sliders, elastic_friction
 from valvemodel.smooth.rounding import Expression, dead_zone, gate, ramp
 from valvemodel.smooth.slip import stop_time, transition
 from valvemodel.stages.slip import STOP_SPEED
@@ -25,9 +25,11 @@ SPEED_PER_WIDTH = 1e-5
 """The speed at which a slip has ended is rounded over this, times the smoothing width. [m/s/N]"""
 
 
-def states_of(effects: Collection[str]) -> tuple[str, ...]:
-    """Return the names of the states that the effects need."""
-    return ("position", "velocity", "bristle") if "presliding" in effects else ("position", "velocity")
+def states_of(effects: Collection[str], *, slides: bool) -> tuple[str, ...]:
+    """Return the names of the states that the effects need; sliders are left out where they carry nothing."""
+    if "presliding" not in effects:
+        return "position", "velocity"
+    return ("position", "velocity", "bristle", *(SLIDER_STATES if slides else ()))
 
 
 def put_stem(p: Any, x: Any, position: Expression, time: Expression) -> None:
@@ -36,6 +38,8 @@ def put_stem(p: Any, x: Any, position: Expression, time: Expression) -> None:
     if "presliding" in p.effects:
         limit = sliding_friction(p, 0.0, position, x.pressure, time)
         x.bristle = ca.fmin(ca.fmax(thrust(p, position, x.pressure, time), -limit), limit)
+        if p.slides:
+            bend_sliders(p, x, x.bristle)
     stop_at_limits(p, x)
 
 
@@ -43,10 +47,10 @@ def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duratio
     """Hold the pressure and move the stem through a part of a period; forces that vary are held at a time."""
     if "presliding" in p.effects:
         net = thrust(p, x.position, pressure, time)
-        side = ca.sign(net - x.bristle)
+        side = ca.sign(net - elastic_friction(p, x))
         limit = sliding_friction(p, side, x.position, pressure, time)
         motion = transition(p.stem_mass, damping(p, side), stiffness(p, side, x.position, pressure, time), duration)
-        advance_presliding(p, x, net, limit, motion)
+        advance_presliding(p, x, net, limit, motion, duration)
     else:
         slips = time_in_slip(p, x, pressure, time, duration)
         move(p, x, pressure, time, slips, ca.sign(x.velocity), breaks_away=False)

@@ -6,7 +6,15 @@ import math
 
 from valvemodel.compiled import compiled
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import bristle_stiffness
+from valvemodel.stages.presliding import (
+    bristle_after,
+    bristle_stiffness,
+    bristle_viscosity,
+    elastic_friction,
+    elastic_stiffness,
+    friction_after,
+    pull_bristles,
+)
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.slip import first_stop, time_of_way, transition
 from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, tangent_stiffness, thrust
@@ -35,9 +43,9 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     of the position alone (Dahl); its stiffness at the start is added to the spring's.
     """
     duration = min(duration, state.plan_longest)
-    middle, mass, position, bristle = time + 0.5 * duration, p.stem_mass, state.position, state.bristle
+    middle, mass, position = time + 0.5 * duration, p.stem_mass, state.position
     pressure = pressure_at(memory, middle)
-    net = thrust(p, position, pressure, middle) - bristle
+    net = thrust(p, position, pressure, middle) - elastic_friction(p, state)
     if state.mode == STUCK:
         side = RISING if net > 0.0 else FALLING
         if net == 0.0 or room_to(state, side) <= 0.0:
@@ -47,7 +55,14 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     speed, room = side * state.velocity, room_to(state, side)
     limit = limiting_friction(p, side, position, pressure, middle, speed)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
-    stiffness = tangent_stiffness(p, side, position, pressure, middle) + bristle_stiffness(p, side * bristle, limit)
+    bending = bristle_stiffness(p, side * state.bristle, limit)
+    stiffness = tangent_stiffness(p, side, position, pressure, middle)
+    stiffness += elastic_stiffness(p, state, side, limit, bending)
+    sliding = viscous
+    if p.bristle_damping > 0.0:
+        fading = bristle_viscosity(p, bending)
+        viscous += fading
+        stiffness -= fading * speed / (limit * p.presliding_compliance)
     start = (side * net - viscous * speed) / mass
     if (
         speed == 0.0
@@ -67,8 +82,12 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         next_acceleration, way = av * speed + aa * start, yv * speed + ya * start
         end = position + side * way
         limit = limiting_friction(p, side, end, pressure, middle, next_speed)
-        left_over = side * (thrust(p, end, pressure, middle) - bristle_after(p, side, way, limit, bristle))
-        left_over -= viscous * next_speed + mass * next_acceleration
+        bristle = bristle_after(p, state, side, way, limit)
+        left_over = side * thrust(p, end, pressure, middle) - friction_after(p, state, side, way, limit, bristle)
+        next_viscous = sliding
+        if p.bristle_damping > 0.0:
+            next_viscous += bristle_viscosity(p, bristle_stiffness(p, bristle, limit))
+        left_over -= next_viscous * next_speed + mass * next_acceleration
         factor = step_factor(left_over, allowed)
         if factor >= CAUTION or step <= SHORTEST_STEP:
             break
@@ -101,16 +120,10 @@ def room_to(state, side):
 
 
 @compiled
-def bristle_after(p, side, way, limit, bristle):
-    """Return the force of the bristles after a way to one side, exact along it (Dahl). [N]"""
-    return side * limit + (bristle - side * limit) * math.exp(-way / (limit * p.presliding_compliance))
-
-
-@compiled
 def shift(p, state, way, limit):
     """Take stem and bristles along a way to the side of the motion."""
     state.position += state.mode * way
-    state.bristle = bristle_after(p, state.mode, way, limit, state.bristle)
+    pull_bristles(p, state, state.mode, way, limit)
 
 
 @compiled

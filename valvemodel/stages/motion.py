@@ -7,10 +7,11 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.part import is_coarse, pressure_at
-from valvemodel.stages.presliding import rests_on_bristles
+from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
+from valvemodel.stages.sliders import has_sliders, stiffness_of_sliders
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
@@ -56,7 +57,8 @@ def plan_stem(p, state, tolerance):
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
     state.plan_varies = varies_in_time(p)
     state.plan_limit_held = has_held_limit(p)
-    is_stiff = p.viscous_friction * (1.0 + abs(p.viscous_asymmetry)) > STIFF * p.stem_mass
+    stiffest = p.viscous_friction * (1.0 + abs(p.viscous_asymmetry)) + p.bristle_damping * 2.0**p.bristle_exponent
+    is_stiff = stiffest > STIFF * p.stem_mass
     state.plan_series = (
         not is_stiff
         and state.plan_elastic == 1.0
@@ -302,13 +304,18 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
     side, position, pressure = state.mode, state.position, pressure_at(memory, time)
     limit = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
-    net = side * (thrust(p, position, pressure, 0.0) - state.bristle - viscous * state.velocity)
+    if p.bristle_damping > 0.0:
+        viscous += bristle_viscosity(p, bristle_stiffness(p, side * state.bristle, limit))
+    net = side * (thrust(p, position, pressure, 0.0) - elastic_friction(p, state) - viscous * state.velocity)
     is_held = memory.part_count == 0.0
     if is_held and side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
         # The rest of a creep is below the tolerance.
         come_to_rest(state)
         return 0.0
-    if is_held and limit - side * state.bristle <= BENT * tolerance * p.spring_rate:
+    is_bent = (1.0 - p.slider_share) * (limit - side * state.bristle) <= BENT * tolerance * p.spring_rate
+    if has_sliders(p):
+        is_bent = is_bent and stiffness_of_sliders(p, state, side, limit) == 0.0
+    if is_held and is_bent:
         state.bristle = side * limit
         return advance_slip(p, state, pressure, duration, False)
     return advance_series(p, state, memory, time, pressure, limit, duration, tolerance)

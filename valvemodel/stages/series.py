@@ -9,7 +9,15 @@ import numpy as np
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, ORDER
 from valvemodel.stages.part import pressure_at
+from valvemodel.stages.presliding import fade_after, is_curved, with_sliders
 from valvemodel.stages.rest import come_to_rest, meet_limit
+from valvemodel.stages.sliders import (
+    force_of_sliders,
+    has_sliders,
+    pull_sliders,
+    stiffness_of_sliders,
+    way_to_sliding,
+)
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
@@ -27,6 +35,12 @@ ROUGH = 1e3
 
 FADING = 8.0
 """Largest change of way or speed over its reach in a step."""
+
+CONVERGING = 0.5
+"""The same where the departure fades as a power: its series ends at 1, over what the exponent is above 1."""
+
+LEAST_ROOM = 1e-12
+"""Room of bristles over their limit below which they no longer grow, whatever their exponent."""
 
 OF_WAY, OF_SPEED = 0, 1
 """With what friction falls."""
@@ -47,25 +61,42 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     """
     side, position, mass, speed = state.mode, state.position, p.stem_mass, state.mode * state.velocity
     departure, reach = limit - side * state.bristle, limit * p.presliding_compliance
+    bend = p.bristle_exponent - 1.0 if is_curved(p) else 0.0
+    sliding, missing, yielding = limit, departure, math.inf
+    if bend > 0.0:
+        reach = reach / max(abs(departure / limit), LEAST_ROOM) ** bend
     bound = min(TERM_SHARE * tolerance, REACH_SHARE * reach)
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
-    push = (side * thrust(p, position, pressure, 0.0) - limit) / mass
+    if has_sliders(p):
+        departure *= 1.0 - p.slider_share
+        sliding = with_sliders(p, limit, side * force_of_sliders(p, state))
+        stiffness += p.slider_share * stiffness_of_sliders(p, state, side, limit) / mass
+        yielding = way_to_sliding(p, state, side, limit)
+    push = (side * thrust(p, position, pressure, 0.0) - sliding) / mass
     start = push + departure / mass - damping * speed
+    viscous = p.bristle_damping * p.presliding_compliance
+    if viscous > 0.0:
+        start -= viscous * departure / (reach * mass) * speed
     # From rest it goes on for half a swing, whatever sets it going.
     stiffest = stiffness + departure / (reach * mass)
     stop = first_stop(1.0, damping, stiffest, speed, start if speed > 0.0 else 1.0)
     step = min(duration, BEYOND * stop)
     lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
-    order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, OF_WAY, bound)
+    order = lay_series(memory, step, speed, damping, stiffness, departure / mass, reach, OF_WAY, bound, bend, viscous)
     share = carried_share(memory, order, bound)
-    if (speed + max(start, 0.0) * step) * step > FADING * reach:
-        share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound)
+    most = FADING if bend == 0.0 else min(FADING, CONVERGING / bend)
+    if (speed + max(start, 0.0) * step) * step > most * reach:
+        share *= faded_share(way_at(memory, order, share) / reach, departure / mass * (share * step) ** 2, bound, most)
     has_stopped = rate_at(memory, order, share) <= 0.0
     if has_stopped:
         share = place_of_fall(memory, order, share, stop / step, 0.0, bound * step / state.plan_response)
+    if way_at(memory, order, share) > yielding:
+        share, has_stopped = place_of_way(memory, order, share, yielding), False
     share, way = leave_series(p, state, memory, order, share, step, has_stopped)
-    state.bristle = side * (limit - departure * math.exp(-way / reach))
+    if has_sliders(p):
+        pull_sliders(p, state, side, way, limit)
+    state.bristle = side * (limit - missing * fade_after(p, missing / limit, way / (limit * p.presliding_compliance)))
     return share * step
 
 
@@ -90,12 +121,12 @@ def advance_falling(p, state, memory, time, pressure, duration, tolerance):
     lay_forces(memory, time, step, push, side * p.diaphragm_area / mass)
     # What feeds on itself is resolved in shares of itself, down to the last order.
     least = bound if growth <= 0.0 else 0.0
-    order = lay_series(memory, step, speed, damping, stiffness, -excess, p.stribeck_velocity, OF_SPEED, least)
+    order = lay_series(memory, step, speed, damping, stiffness, -excess, p.stribeck_velocity, OF_SPEED, least, 0.0, 0.0)
     share = carried_share(memory, order, bound)
     if growth > 0.0:
         share = min(share, resolved_share(memory, order, min(ROUGH * tolerance, 0.01)))
     change = (rate_at(memory, order, share) / step - speed) / p.stribeck_velocity
-    share *= faded_share(change, excess * (share * step) ** 2, bound)
+    share *= faded_share(change, excess * (share * step) ** 2, bound, FADING)
     level, close = STOP_SPEED * step, bound * step / state.plan_response
     has_stopped = False
     if speed >= STOP_SPEED and rate_at(memory, order, share) < level:
@@ -145,10 +176,11 @@ def lay_forces(memory, time, step, push, area):
 
 
 @inlined
-def lay_series(memory, step, speed, damping, stiffness, departure, reach, of_what, bound):
+def lay_series(memory, step, speed, damping, stiffness, departure, reach, of_what, bound, bend, viscous):
     """Write the orders of way and rate over a step, up to where they have died out; return the highest order.
 
-    The departure fades with the way or with the speed, over its reach of it.
+    The departure fades with the way or with the speed, over its reach of it: as an exponential, or as a power of the
+    way where the fading bends. What it loses a second is resisted, so many seconds of it, by viscous bristles.
     """
     ways, rates, fades, forces = memory.series_ways, memory.series_rates, memory.series_fades, memory.series_forces
     changes = memory.series_changes
@@ -157,15 +189,12 @@ def lay_series(memory, step, speed, damping, stiffness, departure, reach, of_wha
     ways[0], ways[1], rates[1], changes[1], fades[0] = 0.0, speed * step, speed * step, speed * step, 1.0
     before = abs(ways[1])
     for order in range(ORDER - 1):
-        if order > 0:
-            even, odd = 0.0, 0.0
-            for lower in range(1, order, 2):
-                odd += changes[lower] * fades[order - lower]
-                even += changes[lower + 1] * fades[order - lower - 1]
-            if order % 2 == 1:
-                odd += changes[order]
-            fades[order] = -(odd + even) * per_reach / order
+        if order > 0 and viscous == 0.0:
+            fades[order] = faded_order(memory, order, per_reach, bend)
         force = square * departure * fades[order] - by_stiffness * ways[order] - by_damping * rates[order + 1]
+        if viscous > 0.0:
+            fades[order + 1] = faded_order(memory, order + 1, per_reach, bend)
+            force += step * viscous * departure * (order + 1.0) * fades[order + 1]
         if order <= count:
             force += square * forces[order]
         way = force * SHARES[order]
@@ -181,6 +210,23 @@ def lay_series(memory, step, speed, damping, stiffness, departure, reach, of_wha
 
 
 @inlined
+def faded_order(memory, order, per_reach, bend):
+    """Return an order of what is left of the departure, from the lower ones (Miller's recurrence for powers)."""
+    changes, fades, ways = memory.series_changes, memory.series_fades, memory.series_ways
+    even, odd = 0.0, 0.0
+    for lower in range(1, order, 2):
+        odd += changes[lower] * fades[order - lower]
+        even += changes[lower + 1] * fades[order - lower - 1]
+    if order % 2 == 1:
+        odd += changes[order]
+    total = odd + even
+    if bend > 0.0:
+        for lower in range(1, order):
+            total += bend * (order - lower) * ways[lower] * fades[order - lower]
+    return -total * per_reach / order
+
+
+@inlined
 def carried_share(memory, order, bound):
     """Return how far into the step its series carries."""
     last = max(abs(memory.series_ways[order]), abs(memory.series_ways[order - 1]))
@@ -188,12 +234,11 @@ def carried_share(memory, order, bound):
 
 
 @inlined
-def faded_share(change, effect, bound):
+def faded_share(change, effect, bound, most):
     """Return which share of a step has no more fading than its series holds: beyond, its terms would still grow.
 
     What the departure does along the step, its way, does not count while it is below the bound.
     """
-    most = FADING
     if effect < bound:
         most = math.inf if change > 0.0 else FADING + math.log(bound / max(effect, 1e-300))
     return 1.0 if abs(change) <= most else most / abs(change)

@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.sliders import bend_sliders, has_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
@@ -179,8 +180,11 @@ EFFECTS = (
         stage="stem",
         title="presliding",
         meaning="a stuck stem gives way elastically before it slides",
-        equation=r"df/dy = (1 - f\,\mathrm{sign}(v)/F)/C",
-        source="Dahl (1968); with F_s > F_c the LuGre model, IEEE TAC 40 (1995)",
+        equation=r"(1 - s)(f + D\,C\,\dot f) + s\,f_s, \quad df/dy = (1 - f\,\mathrm{sign}(v)/F)^n/C",
+        source=(
+            "Dahl (1968), f; with D and F_s > F_c the LuGre model, IEEE TAC 40 (1995); sliders f_s: Iwan, "
+            "J. Appl. Mech. 33 (1966)"
+        ),
         parameters=(
             Parameter(
                 "presliding_compliance",
@@ -189,7 +193,36 @@ EFFECTS = (
                 0.0,
                 2e-5,
                 0.0,
-                (2e-7, 2e-6),
+                (6e-7,),
+                typical=2e-7,
+            ),
+            Parameter(
+                "bristle_damping",
+                "N s/m",
+                "D: viscous friction of the bristles while they bend",
+                0.0,
+                1e4,
+                0.0,
+                (100.0,),
+                typical=0.0,
+            ),
+            Parameter(
+                "bristle_exponent",
+                "1",
+                "n: the higher, the later the bristles slide",
+                1.0,
+                3.0,
+                1.0,
+                (1.0,),
+            ),
+            Parameter(
+                "slider_share",
+                "1",
+                "s: share of F in sliders, elastic up to forces spread from 0 to 2 F, which remember each turn",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
             ),
         ),
         aliases=("linkage_backlash", "magnetic_hysteresis"),
@@ -461,3 +494,5 @@ def put_stem(p, state, position, pressure, time):
     state.mode = STUCK
     limit = limiting_friction(p, 0.0, position, pressure, time, 0.0)
     state.bristle = min(max(thrust(p, position, pressure, time), -limit), limit)
+    if has_sliders(p):
+        bend_sliders(p, state, state.bristle)

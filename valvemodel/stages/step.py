@@ -7,8 +7,16 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import bristle_stiffness, lay_bristles
+from valvemodel.stages.presliding import (
+    bristle_stiffness,
+    bristle_viscosity,
+    elastic_stiffness,
+    is_curved,
+    lay_bristles,
+    with_sliders,
+)
 from valvemodel.stages.response import remember_response
+from valvemodel.stages.sliders import force_of_sliders, has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
     sliding_friction,
@@ -50,7 +58,13 @@ def begin_step(p, state, memory, time):
     if state.plan_elastic == 1.0:
         memory.bristles[0] = side * state.bristle
         limit = limiting_friction(p, side, position, pressure, time, speed)
-        stiffness += bristle_stiffness(p, memory.bristles[0], limit)
+        bending = bristle_stiffness(p, memory.bristles[0], limit)
+        stiffness += elastic_stiffness(p, state, side, limit, bending)
+        memory.limits[0] = limit
+        if has_sliders(p):
+            memory.slid[0] = side * force_of_sliders(p, state)
+        if p.bristle_damping > 0.0:
+            damping += bristle_viscosity(p, bending)
     elif p.stribeck_ratio > 1.0:
         excess = stribeck_excess(p, sliding_friction(p, side, position, pressure, time), speed)
         damping -= stribeck_slope(p, excess, speed)
@@ -63,13 +77,17 @@ def slip_force(p, state, memory, node, position, speed):
     """Return the net force along its side on a stem that slips, at a node of the step. [N]"""
     side, pressure = memory.step_side, memory.step_pressures[node]
     time = memory.step_time + node * memory.step_spacing
+    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     if state.plan_elastic == 1.0:
         friction = memory.bristles[node]
+        if p.bristle_damping > 0.0:
+            viscous += bristle_viscosity(p, bristle_stiffness(p, friction, memory.limits[node]))
+        if has_sliders(p):
+            friction = with_sliders(p, friction, memory.slid[node])
     else:
         friction = sliding_friction(p, side, position, pressure, time)
         if p.stribeck_ratio > 1.0:
             friction += stribeck_excess(p, friction, speed)
-    viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     return side * thrust(p, position, pressure, time) - friction - viscous * speed
 
 
@@ -96,12 +114,19 @@ def sweep_step(p, state, memory, length, count, tolerance):
     share = SWING_SHARE if state.plan_elastic == 1.0 else STEP_SHARE
     usable = share * state.plan_share * tolerance
     moved, left, allowed = math.inf, math.inf, usable
+    # What curved bristles lack at the end of a step stays: it moves the stem as far as the spring lets it.
+    follows = state.plan_elastic == 1.0 and state.plan_limit_held == 0.0 and is_curved(p)
+    lasting = p.presliding_compliance + (1.0 / p.spring_rate if p.spring_rate > 0.0 else 0.0)
+    bristle = math.inf
     for _ in range(SWEEPS):
         lay_pulls(p, state, memory, count)
         way, speed = memory.ways[count], memory.speeds[count]
         lay_motion(memory, count)
         before = moved
         moved = abs(memory.ways[count] - way) + state.plan_response * abs(memory.speeds[count] - speed)
+        if follows:
+            moved += lasting * abs(memory.bristles[count] - bristle)
+            bristle = memory.bristles[count]
         # Each pass gains by as much as the last one did.
         left = 0.0 if is_linear else moved * min(moved / before, 1.0) if before < math.inf else moved
         if memory.step_damping < 0.0:
@@ -115,8 +140,11 @@ def sweep_step(p, state, memory, length, count, tolerance):
     off = left_out(count, memory.pull_powers)
     if state.plan_elastic == 1.0:
         off += memory.bristles_off / p.stem_mass
+    error = off * abs(reach)
+    if follows:
+        error += lasting * memory.bristles_off
     # What the passes leave is bounded: it says nothing about the length.
-    return off * abs(reach) / allowed
+    return error / allowed
 
 
 @compiled

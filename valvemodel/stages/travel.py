@@ -9,6 +9,7 @@ from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_power
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.sensor import bow_left_out
+from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, thrust
 from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
@@ -32,7 +33,7 @@ ROUNDS = 40
 """Most trials of the length of a step that ends at an event; bisection alone gains a digit with three."""
 
 NOTHING, STOP, LIMIT, CONTACT, REST = 0, 1, 2, 3, 4
-"""What ends a step: the speed is 0, the travel ends, the play closes, the stop-speed rule holds."""
+"""What ends a step: the speed is 0, the travel ends, play closes or a slider slides, the stop-speed rule holds."""
 
 
 @compiled
@@ -62,6 +63,8 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     contact = math.inf
     if p.sensor_time_constant > 0.0:
         contact = state.mode * (state.linkage - state.position) + p.backlash_half_width
+    if has_sliders(p) and state.plan_elastic == 1.0:
+        contact = min(contact, way_to_sliding(p, state, state.mode, memory.limits[0]))
     for _ in range(ROUNDS):
         kind, low, high = first_event(p, state, memory, count, ended, room, contact)
         if kind == NOTHING:
@@ -214,6 +217,8 @@ def finish_step(p, state, memory, count, ended):
     state.position, state.velocity = memory.step_position + side * way, side * speed
     if state.plan_elastic == 1.0:
         state.bristle = side * memory.bristles[count]
+        if has_sliders(p):
+            lay_sliders(p, state, memory, count, True)
     if ended == LIMIT:
         meet_limit(p, state, speed)
     elif ended in (STOP, REST):
