@@ -6,6 +6,7 @@ import math
 
 from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
+from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
@@ -13,15 +14,14 @@ from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
 from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import (
-    bow,
     follow_steadily,
     follow_stem,
     rest_sensor,
     sensor_drift,
-    unbow,
 )
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK, breakaway_ratio, put_stem, rest_stem
+from valvemodel.stages.transmitter import settle_reading
 from valvemodel.stages.travel import SHORTEST_STEP
 
 RECORDS = (PARAMETERS, STATE, MEMORY)
@@ -263,7 +263,7 @@ def anchor_stem(p, state, reading, time):
         return
     state.position += shift
     state.linkage += shift
-    state.lagged_reading = bow(p, state.linkage)
+    settle_reading(p, state)
 
 
 @compiled

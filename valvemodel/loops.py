@@ -11,9 +11,9 @@ from valvemodel.compiled import compiled
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import STATE
+from valvemodel.stages.bow import bow, unbow
 from valvemodel.stages.electromagnet import gap_of_current, rest_electromagnet
 from valvemodel.stages.nozzle import rest_nozzle
-from valvemodel.stages.sensor import bow, unbow
 from valvemodel.stages.stem import breakaway_ratio, highest_position, lowest_position, sliding_friction
 
 SETTLING_EFFECTS = frozenset(

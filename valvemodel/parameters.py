@@ -51,7 +51,7 @@ STATE = np.dtype(
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
             "part_aim", "rest_drive", "chamber_rate", "filled_rate",
             "position", "velocity", "mode", "bristle", "trial_step",
-            "linkage", "lagged_reading",
+            "linkage", "lagged_reading", "less_lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
             "plan_series", "plan_bowed", "plan_plain", "plan_steady", "plan_falling", "plan_share",
             "plan_moving", "plan_current", "plan_delayed", "plan_longest",
@@ -64,6 +64,7 @@ STATE = np.dtype(
             "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
+            "shorter_lag_decay",
         )
     ]
     + [("plays", "f8", (PLAYS,)), ("sliders", "f8", (SLIDERS,))]
@@ -101,7 +102,7 @@ MEMORY = np.dtype(
         ("notes_events", "f8"),
         ("events_noted", "f8"),
         ("events", EVENT, (MOST_NOTED,)),
-        ("lags", LAG, (5,)),
+        ("lags", LAG, (6,)),
         ("responses", RESPONSE, (1,)),
     ]
     + [

@@ -38,7 +38,7 @@ HOLD_TIME = 0.3
 
 TIME_CONSTANTS = (
     "coil_time_constant", "chamber_filling_time", "fill_time", "vent_time", "droop_recovery_time",
-    "sensor_time_constant", "transport_delay",
+    "sensor_time_constant", "sensor_second_time_constant", "transport_delay",
 )  # fmt: skip
 
 WATCH_TIME = 5.0

@@ -16,7 +16,7 @@ TREATMENTS = {
     ),
     "quantisation": Treatment(False, "a rounding has no slope: the reading is taken before it"),
     "sensor_drift": Treatment(False, "a disturbance: the point is taken at the start"),
-    "sensor_lag": Treatment(True, "a first-order lag"),
+    "sensor_lag": Treatment(True, "a first-order lag, or two in series"),
     "linkage_nonlinearity": Treatment(True, "its slope at the position"),
 }
 
@@ -29,5 +29,6 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
         slope = 0.0
     return [
         gain("linkage", slope, "position", "indicated_position"),
-        lag("transmitter", numbers["sensor_time_constant"], "reading", "indicated_position", "reading"),
+        lag("transmitter", numbers["sensor_time_constant"], "reading", "indicated_position", "unfiltered_reading"),
+        lag("filter", numbers["sensor_second_time_constant"], "filtered_reading", "unfiltered_reading", "reading"),
     ]

@@ -23,7 +23,9 @@ class Sensor:
     def __init__(self, numbers: SimpleNamespace, position: float) -> None:
         self.numbers = numbers
         self.linkage = position
-        self.lagged = bowed(numbers, position)
+        self.filtered = self.lagged = bowed(numbers, position)
+        # Two lags in series may stand in either order.
+        self.shorter, self.longer = sorted((numbers.sensor_time_constant, numbers.sensor_second_time_constant))
 
     def follow(self, motion: Motion, duration: float) -> None:
         """Follow a stem that moves to one side for a duration."""
@@ -36,7 +38,7 @@ class Sensor:
             return min(max(before, position - play), position + play)
 
         self.linkage = linkage(duration)
-        if self.numbers.sensor_time_constant == 0.0:
+        if self.longer == 0.0:
             return
         touch = duration
         if self.linkage != before:
@@ -48,25 +50,38 @@ class Sensor:
             self.approach(linkage, touch + panel * width, width)
 
     def approach(self, linkage, start: float, duration: float) -> None:
-        """Lag: T r' = z - r, its solution as an integral over the linkage's positions z."""
-        time_constant = self.numbers.sensor_time_constant
+        """Lags: T q' = z - q, T2 r' = q - r; their solution as integrals over the linkage's positions z."""
         end = bowed(self.numbers, linkage(start + duration))
-        # r - z dies out; only what z lacks of its end is summed, so that a linkage at rest is exact.
-        behind = 0.0
+        # q - z and r - z die out; only what z lacks of its end is summed, so that a linkage at rest is exact.
+        once, twice = 0.0, 0.0
         for node, weight in NODES:
             share = 0.5 * (1.0 + node)
-            lack = bowed(self.numbers, linkage(start + share * duration)) - end
-            behind += 0.5 * weight * duration / time_constant * lack * exp((share - 1.0) * duration / time_constant)
-        self.lagged = end + (self.lagged - end) * exp(-duration / time_constant) + behind
+            lack = 0.5 * weight * duration * (bowed(self.numbers, linkage(start + share * duration)) - end)
+            left = (1.0 - share) * duration
+            once += lack * exp(-left / self.longer) / self.longer
+            twice += lack * answer_of_both(self.longer, self.shorter, left)
+        began = (self.lagged - end) * self.longer * answer_of_both(self.longer, self.shorter, duration)
+        dying = (self.filtered - end) * exp(-duration / self.shorter) if self.shorter > 0.0 else 0.0
+        self.lagged = end + (self.lagged - end) * exp(-duration / self.longer) + once
+        self.filtered = end + dying + began + twice
 
     def reading(self, time: float) -> float:
         """Return what the sensor reads at a time since the start: drift added, rounded to its grid. [m]"""
         n = self.numbers
-        reading = self.lagged if n.sensor_time_constant > 0.0 else bowed(n, self.linkage)
+        reading = self.filtered if self.longer > 0.0 else bowed(n, self.linkage)
         reading += zero_drift(n, time)
         if n.resolution == 0.0:
             return reading
         return n.resolution_offset + n.resolution * floor((reading - n.resolution_offset) / n.resolution + 0.5)
+
+
+def answer_of_both(longer: float, shorter: float, time: float) -> float:
+    """Return how two lags in series answer an impulse; equal ones too, and one alone. [1/s]"""
+    if shorter == 0.0:
+        return exp(-time / longer) / longer
+    rate = 1.0 / shorter - 1.0 / longer
+    share = -expm1(-rate * time) / rate if rate > 0.0 else time
+    return exp(-time / longer) * share / longer / shorter
 
 
 def zero_drift(n: SimpleNamespace, time: float) -> float:

@@ -9,16 +9,18 @@ import casadi as ca
 
 from valvemodel.smooth.electromagnet import SHORTEST_TIME
 from valvemodel.smooth.rounding import Expression, dead_zone, passed
-from valvemodel.stages.sensor import SKEW
+from valvemodel.stages.bow import SKEW
+from valvemodel.stages.transmitter import APART
 
 BOW_STEPS = 4
 """Newton's steps from a reading to the position that a bowed linkage indicates so."""
 
 
-def states_of(effects: Collection[str]) -> tuple[str, ...]:
-    """Return the names of the states that the effects need."""
+def states_of(effects: Collection[str], *, filters: bool) -> tuple[str, ...]:
+    """Return the names of the states that the effects need; one more where the reading is filtered too."""
     play = ("linkage",) if "linkage_backlash" in effects else ()
-    return play + (("lagged_reading",) if "sensor_lag" in effects else ())
+    lags = ("lagged_reading", "less_lagged_reading")[: 1 + filters] if "sensor_lag" in effects else ()
+    return play + lags
 
 
 def bow(p: Any, position: Expression) -> Expression:
@@ -46,6 +48,8 @@ def rest_sensor(p: Any, x: Any) -> None:
     """Put the sensor at rest on the stem, and the stem where in the play it starts."""
     if "sensor_lag" in p.effects:
         x.lagged_reading = bow(p, x.position)
+    if p.filters:
+        x.less_lagged_reading = x.lagged_reading
     if "linkage_backlash" in p.effects:
         x.linkage = x.position
         x.position -= p.backlash_start * p.backlash_half_width
@@ -58,9 +62,27 @@ def follow_stem(p: Any, x: Any, before: Expression, duration: Expression) -> Non
         x.linkage += dead_zone(behind, p.backlash_half_width, p.backlash_half_width, p.smoothing_length)
     if "sensor_lag" in p.effects:
         after = bow(p, indicated(p, x))
-        rate = duration / ca.fmax(p.sensor_time_constant, SHORTEST_TIME)
-        left = ca.exp(-rate)
-        x.lagged_reading = after - (after - before) * passed(rate) - (before - x.lagged_reading) * left
+        longer, shorter = time_constants(p)
+        x.lagged_reading = lag_behind(x.lagged_reading, before, after, duration, longer)
+        if p.filters:
+            x.less_lagged_reading = lag_behind(x.less_lagged_reading, before, after, duration, shorter)
+
+
+def lag_behind(
+    reading: Expression, before: Expression, after: Expression, duration: Expression, time_constant: Expression
+) -> Expression:
+    """Return a lagged reading at the end of an even way. [m]"""
+    rate = duration / ca.fmax(time_constant, SHORTEST_TIME)
+    return after - (after - before) * passed(rate) - (before - reading) * ca.exp(-rate)
+
+
+def time_constants(p: Any) -> tuple[Expression, Expression]:
+    """Return the longer and the shorter time constant, kept apart about their mean. [s]"""
+    if not p.filters:
+        return p.sensor_time_constant, 0.0
+    mean = 0.5 * (p.sensor_time_constant + p.sensor_second_time_constant)
+    half = 0.5 * ca.fmax(ca.fabs(p.sensor_time_constant - p.sensor_second_time_constant), APART * mean)
+    return mean + half, mean - half
 
 
 def indicated(p: Any, x: Any) -> Expression:
@@ -70,8 +92,16 @@ def indicated(p: Any, x: Any) -> Expression:
 
 def read_sensor(p: Any, x: Any, time: Expression) -> Expression:
     """Return the reading. [m]"""
-    reading = x.lagged_reading if "sensor_lag" in p.effects else bow(p, indicated(p, x))
+    reading = lagged_reading(p, x) if "sensor_lag" in p.effects else bow(p, indicated(p, x))
     return reading + sensor_drift(p, time)
+
+
+def lagged_reading(p: Any, x: Any) -> Expression:
+    """Return what comes out of both lags in series, by partial fractions. [m]"""
+    if not p.filters:
+        return x.lagged_reading
+    longer, shorter = time_constants(p)
+    return x.lagged_reading + shorter / (longer - shorter) * (x.lagged_reading - x.less_lagged_reading)
 
 
 def sensor_drift(p: Any, time: Expression) -> Expression:

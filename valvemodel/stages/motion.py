@@ -29,6 +29,7 @@ from valvemodel.stages.stem import (
     varies_in_time,
 )
 from valvemodel.stages.step import lay_motion
+from valvemodel.stages.transmitter import has_lag
 from valvemodel.stages.travel import MEETING, TOUCHING, advance_travel
 
 HOLD = 1e-12
@@ -65,7 +66,7 @@ def plan_stem(p, state, tolerance):
         and state.plan_limit_held == 1.0
         and is_linear(p)
         and state.plan_varies == 0.0
-        and p.sensor_time_constant == 0.0
+        and not has_lag(p)
     )
     own_rate = p.viscous_friction / p.stem_mass + math.sqrt(p.spring_rate / p.stem_mass)
     state.plan_response = 1.0 / max(own_rate, 1e-3)
@@ -78,7 +79,7 @@ def plan_stem(p, state, tolerance):
         and p.spring_hardening == 0.0
         and p.tight_spot_excess == 0.0
         and p.friction_area == 0.0
-        and p.sensor_time_constant == 0.0
+        and not has_lag(p)
     )
     state.plan_falling = (
         not is_stiff
@@ -88,7 +89,7 @@ def plan_stem(p, state, tolerance):
         and p.stick_speed == STOP_SPEED
     )
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
-    state.plan_bowed = p.sensor_time_constant > 0.0 and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
+    state.plan_bowed = has_lag(p) and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
     state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
@@ -363,7 +364,7 @@ def advance_slip(p, state, pressure, duration, breaks_away):
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    if p.sensor_time_constant > 0.0:
+    if has_lag(p):
         contact = way_to_contact(p, state, side)
         if TOUCHING < contact < way:
             # The play closes: the transmitter follows only from here on.

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled
+from valvemodel.stages.bow import bow_left_out
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_powers, slope_at, value_at
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
-from valvemodel.stages.sensor import bow_left_out
 from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
 from valvemodel.stages.slip import STOP_SPEED, first_stop
 from valvemodel.stages.stem import sliding_friction, thrust
 from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
+from valvemodel.stages.transmitter import has_lag
 
 SHORTEST_STEP = 1e-9
 """Steps are not made shorter: far below any time constant of a valve. [s]"""
@@ -61,7 +62,7 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     ended = NOTHING
     room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
     contact = math.inf
-    if p.sensor_time_constant > 0.0:
+    if has_lag(p):
         contact = state.mode * (state.linkage - state.position) + p.backlash_half_width
     if has_sliders(p) and state.plan_elastic == 1.0:
         contact = min(contact, way_to_sliding(p, state, state.mode, memory.limits[0]))

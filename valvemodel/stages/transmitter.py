@@ -1,0 +1,108 @@
+"""Transmitter: the reading lags the linkage, once or twice in series."""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled, inlined
+from valvemodel.stages.bow import bow, bow_slope
+from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.nodes import slope_at
+
+NEAR_POLE = 1e-6
+"""Distance from the pole of `lag_of_slip` that is kept: the reading is off by this share of its lag."""
+
+APART = 3e-4
+"""Share of their mean by which two lags are kept apart: the reading is off by 3e-9 of what the stem moves."""
+
+
+@inlined
+def has_lag(p):
+    """Return whether the reading lags the linkage."""
+    return p.sensor_time_constant > 0.0 or p.sensor_second_time_constant > 0.0
+
+
+@inlined
+def time_constants(p):
+    """Return the longer and the shorter time constant, kept apart about their mean; which comes first is one. [s]"""
+    if p.sensor_second_time_constant == 0.0:
+        return p.sensor_time_constant, 0.0
+    mean = 0.5 * (p.sensor_time_constant + p.sensor_second_time_constant)
+    half = 0.5 * abs(p.sensor_time_constant - p.sensor_second_time_constant)
+    half = max(half, 0.5 * APART * mean)
+    return mean + half, mean - half
+
+
+@compiled
+def follow_linkage(p, state, memory, was, duration):
+    """Follow the linkage through a step from a position to where it is: each lag on its own."""
+    longer, shorter = time_constants(p)
+    if state.lag_duration != duration:
+        state.lag_duration = duration
+        state.lag_decay = math.exp(-duration / longer)
+        state.shorter_lag_decay = math.exp(-duration / shorter) if shorter > 0.0 else 0.0
+    state.lagged_reading = lag_behind(p, state, memory, 4, longer, was, state.lagged_reading, state.lag_decay)
+    if shorter > 0.0:
+        state.less_lagged_reading = lag_behind(
+            p, state, memory, 5, shorter, was, state.less_lagged_reading, state.shorter_lag_decay
+        )
+
+
+@compiled
+def lag_behind(p, state, memory, place, time_constant, was, reading, decay):
+    """Return a lagged reading at the end of a step that began at a position of the linkage. [m]"""
+    start, end = bow(p, was), bow(p, state.linkage)
+    behind = start - reading
+    if state.linkage == was:
+        return end - behind * decay
+    gain = (end - start) / (state.linkage - was)
+    of_velocity, of_acceleration = lag_of_slip(time_constant, state.trace_damping, state.trace_stiffness)
+    forced = gain * (of_velocity * state.trace_velocity + of_acceleration * state.trace_acceleration)
+    following = gain * (of_velocity * state.trace_next_velocity + of_acceleration * state.trace_next_acceleration)
+    if memory.trace_count > 0.0:
+        following += lag_of_pulls(p, memory, place, time_constant, gain, of_acceleration)
+    return end - following - (behind - forced) * decay
+
+
+@compiled
+def lag_of_pulls(p, memory, place, time_constant, gain, of_acceleration):
+    """Return how far a lagged reading is further behind an integrated step: by its pulls, and by a bow. [m]"""
+    count, side, spacing = int(memory.trace_count), memory.step_side, memory.step_spacing
+    lag = memory.lags[place]
+    remember_lag(lag, 1.0 / time_constant, spacing, count)
+    for node in range(count + 1):
+        # The lag's own acceleration factor feeds on the slope of the pulls.
+        source = -of_acceleration * gain * slope_at(count, memory.pull_powers, float(node)) / spacing
+        position = memory.step_position + side * memory.ways[node]
+        source += (bow_slope(p, position) - gain) * memory.speeds[node]
+        memory.forces[node] = side * source
+    follow_nodes(lag, 0.0, memory.forces, memory.powers, memory.values)
+    return memory.values[count]
+
+
+@compiled
+def lag_of_slip(time_constant, damping, stiffness):
+    """Return how far a lagged reading is behind a slip a' = -c a - k v: a sum of v and a with these two factors.
+
+    Where the lag's time constant is one of the slip's own, the factors have a pole, which is stepped aside of.
+    """
+    shape = 1.0 - damping * time_constant + stiffness * time_constant * time_constant
+    if abs(shape) < NEAR_POLE:
+        shape = NEAR_POLE if shape >= 0.0 else -NEAR_POLE
+    of_acceleration = -time_constant * time_constant / shape
+    return time_constant * (1.0 - damping * time_constant) / shape, of_acceleration
+
+
+@inlined
+def lagged_reading(p, state):
+    """Return what comes out of both lags in series: by partial fractions, a sum of one and the other alone. [m]"""
+    if p.sensor_second_time_constant == 0.0:
+        return state.lagged_reading
+    longer, shorter = time_constants(p)
+    return state.lagged_reading + shorter / (longer - shorter) * (state.lagged_reading - state.less_lagged_reading)
+
+
+@compiled
+def settle_reading(p, state):
+    """Let the reading have followed the linkage to where it is."""
+    state.lagged_reading = state.less_lagged_reading = bow(p, state.linkage)
