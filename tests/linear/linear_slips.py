@@ -23,7 +23,7 @@ def slip(model: Model, point: OperatingPoint, time: np.ndarray, change: float) -
     state["hysteresis"] = point.side
     state["position"], state["velocity"], state["mode"] = point.position, point.side * point.speed, point.side
     state["linkage"] = point.position - point.side * model.numbers.get("backlash_half_width", 0.0)
-    state["lagged_reading"] = point.reading
+    state["lagged_reading"] = state["less_lagged_reading"] = point.reading
     state["bristle"] = friction
     rows = [(valve.pressure, valve.position, point.reading)]
     for duration in np.diff(time):

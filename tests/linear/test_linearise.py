@@ -42,6 +42,9 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     "linear": valve("linear"),
     "ringing": valve().with_values(viscous_friction=1.59),
     "sag from the nozzle's air": valve(supply_droop={"droop_consumption": 0.3, "droop_recovery_time": 0.05}),
+    "two lags": valve(sensor_lag={"sensor_time_constant": 4e-3, "sensor_second_time_constant": 2e-3}),
+    "two equal lags": valve(sensor_lag={"sensor_time_constant": 3e-3, "sensor_second_time_constant": 3e-3}),
+    "a filter alone": valve(sensor_lag={"sensor_time_constant": 0.0, "sensor_second_time_constant": 3e-3}),
     "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2}),
     "many": valve(
         **{key: QUICK.get(key, {}) for key in ("coil_lag", "chamber_filling", "sensor_lag", "spring_hardening",

@@ -2,7 +2,7 @@
 
 Not a line of the simulator: SciPy's DOP853 at 1e-12 between events that it locates itself, kinks of the pressure
 among them. State: flux current, place in the hysteresis loop, sag, chamber and filled pressure, stem position and
-speed, bristle force, lagged reading.
+speed, bristle force, lagged reading, and that behind a filter.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-FLUX, LOOP, SAG, CHAMBER, FILLED, STEM, SPEED, BRISTLE, READING = range(9)
+FLUX, LOOP, SAG, CHAMBER, FILLED, STEM, SPEED, BRISTLE, READING, FILTERED = range(10)
 STOP_SPEED = 1e-6
 WITHIN = 1e-10
 """Share of the breakaway force that a creep must be inside of; the rest of its way is below 1e-11 m."""
@@ -93,7 +93,7 @@ class IndependentChain:
 
     def upstream(self, time, x, current):
         """Rates of all that is upstream of the stem, and the actuator pressure."""
-        rates = np.zeros(9)
+        rates = np.zeros(10)
         has_lag = self.coil_time_constant > 0.0
         flux = x[FLUX] if has_lag else current
         if has_lag:
@@ -175,6 +175,9 @@ class IndependentChain:
             rates[STEM], rates[SPEED] = v, drive / self.stem_mass
         if self.sensor_time_constant > 0.0:
             rates[READING] = (self.bow(self.linkage_at(y)) - x[READING]) / self.sensor_time_constant
+        if self.sensor_second_time_constant > 0.0:
+            arriving = x[READING] if self.sensor_time_constant > 0.0 else self.bow(self.linkage_at(y))
+            rates[FILTERED] = (arriving - x[FILTERED]) / self.sensor_second_time_constant
         return rates
 
     # Sensor.
@@ -191,6 +194,8 @@ class IndependentChain:
         return z + 4.0 * share * (1.0 - share) * (self.linkage_bow + skew)
 
     def reading(self, x):
+        if self.sensor_second_time_constant > 0.0:
+            return x[FILTERED]
         return x[READING] if self.sensor_time_constant > 0.0 else self.bow(self.linkage_at(x[STEM]))
 
     # Events.
@@ -290,7 +295,7 @@ class IndependentChain:
 
     def scales(self):
         share = self.precision
-        return np.array([1e-2, 1.0, 3e5, 3e5, 3e5, 0.1, 0.1, 1e3, 0.1]) * share
+        return np.array([1e-2, 1.0, 3e5, 3e5, 3e5, 0.1, 0.1, 1e3, 0.1, 0.1]) * share
 
     def switch(self, x, current):
         """What a jump of the current does at once."""
@@ -352,7 +357,7 @@ class IndependentChain:
     def run(self, time, currents):
         """Readings before each period, from rest in the middle of the stuck band. [m]"""
         self.side, self.drag, self.now = 0, 0, 0.0
-        x = np.zeros(9)
+        x = np.zeros(10)
         x[FLUX] = currents[0]
         share = self.share(self.gap(currents[0], 0.0, 0.0))
         self.held_share = share
@@ -360,7 +365,7 @@ class IndependentChain:
         x[CHAMBER] = x[FILLED] = (self.supply_pressure - x[SAG]) * share
         pressure = self.behind_leak(x[FILLED])
         x[STEM] = brentq(lambda y: self.thrust(0.0, y, pressure), -1.0, 2.0, xtol=1e-16, rtol=1e-15)
-        x[READING] = self.bow(x[STEM])
+        x[READING] = x[FILTERED] = self.bow(x[STEM])
         self.linkage = x[STEM]
         readings = []
         for sample, current in enumerate(currents):

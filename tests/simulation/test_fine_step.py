@@ -149,6 +149,13 @@ def test_effect_against_the_fine_step(key):
     assert np.abs(found - expected).max() < bound
 
 
+def test_second_order_transmitter_is_two_equal_lags():
+    time, current = ramps_and_steps(seconds=SECONDS, seed=1)
+    made = truth("sensor_lag", "sensor", "second_order", time_constant=0.16)
+    model = BASE.with_effect("sensor_lag", sensor_time_constant=0.08, sensor_second_time_constant=0.08)
+    assert np.abs(run(model, time, current) - reference(BASE, time, current, [made], step=1e-6)).max() < 1e-6
+
+
 def test_viscous_friction_that_differs_up_and_down():
     time, current = ramps_and_steps(seconds=SECONDS, seed=1)
     made = truth("asymmetric_viscous_friction", "stem", "one_sided", direction=1.0, excess=8.0)

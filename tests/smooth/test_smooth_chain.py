@@ -120,6 +120,24 @@ def test_derivatives_of_a_step_agree_with_differences(key):
     check_derivatives(base() if key is None else with_effect(key))
 
 
+TWO_LAGS = [(0.1, 0.03), (0.03, 0.1), (0.06, 0.06), (0.0, 0.05)]
+
+
+def with_two_lags(first: float, second: float) -> Model:
+    return base().with_effect("sensor_lag", sensor_time_constant=first, sensor_second_time_constant=second)
+
+
+@pytest.mark.parametrize("pair", TWO_LAGS)
+def test_two_lags_in_series_converge_to_the_exact_run(pair):
+    off = apart(with_two_lags(*pair), 0.1)
+    assert np.sqrt(np.mean(off**2)) < LEFT_OVER["sensor_lag"]
+
+
+@pytest.mark.parametrize("pair", TWO_LAGS)
+def test_derivatives_of_a_step_behind_two_lags_agree_with_differences(pair):
+    check_derivatives(with_two_lags(*pair))
+
+
 def test_derivatives_of_a_step_on_sliders_and_curved_bristles_agree_with_differences():
     law = {"bristle_damping": 400.0, "bristle_exponent": 1.4, "slider_share": 0.5}
     check_derivatives(base().with_effect("presliding", presliding_compliance=2e-6, **law))

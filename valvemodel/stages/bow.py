@@ -46,9 +46,10 @@ def bow_left_out(p, memory, count, tolerance):
     if most <= STRAIGHT * tolerance:
         return most
     side = memory.step_side
-    gain = bow_slope(p, memory.step_position + 0.5 * side * way)
+    start = memory.step_position - side * p.backlash_half_width
+    gain = bow_slope(p, start + 0.5 * side * way)
     for node in range(count + 1):
-        slope = bow_slope(p, memory.step_position + side * memory.ways[node])
+        slope = bow_slope(p, start + side * memory.ways[node])
         memory.forces[node] = (slope - gain) * memory.speeds[node]
     fit_powers(count, memory.forces, memory.powers)
     return left_out(count, memory.powers) * memory.step_spacing * count

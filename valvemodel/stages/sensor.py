@@ -150,7 +150,9 @@ def follow_stem(p, state, memory, before, after, duration):
     was = state.linkage
     follow_steadily(p, state)
     if has_lag(p) and duration > 0.0:
-        follow_linkage(p, state, memory, was, duration)
+        # A step ends where the play closes: what the linkage moves in it is rounding.
+        is_dragged = 2.0 * abs(state.linkage - was) > abs(after - before)
+        follow_linkage(p, state, memory, was, is_dragged, duration)
 
 
 @compiled

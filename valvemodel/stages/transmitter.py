@@ -34,26 +34,28 @@ def time_constants(p):
 
 
 @compiled
-def follow_linkage(p, state, memory, was, duration):
+def follow_linkage(p, state, memory, was, is_dragged, duration):
     """Follow the linkage through a step from a position to where it is: each lag on its own."""
     longer, shorter = time_constants(p)
     if state.lag_duration != duration:
         state.lag_duration = duration
         state.lag_decay = math.exp(-duration / longer)
         state.shorter_lag_decay = math.exp(-duration / shorter) if shorter > 0.0 else 0.0
-    state.lagged_reading = lag_behind(p, state, memory, 4, longer, was, state.lagged_reading, state.lag_decay)
+    state.lagged_reading = lag_behind(
+        p, state, memory, 4, longer, was, is_dragged, state.lagged_reading, state.lag_decay
+    )
     if shorter > 0.0:
         state.less_lagged_reading = lag_behind(
-            p, state, memory, 5, shorter, was, state.less_lagged_reading, state.shorter_lag_decay
+            p, state, memory, 5, shorter, was, is_dragged, state.less_lagged_reading, state.shorter_lag_decay
         )
 
 
 @compiled
-def lag_behind(p, state, memory, place, time_constant, was, reading, decay):
+def lag_behind(p, state, memory, place, time_constant, was, is_dragged, reading, decay):
     """Return a lagged reading at the end of a step that began at a position of the linkage. [m]"""
     start, end = bow(p, was), bow(p, state.linkage)
     behind = start - reading
-    if state.linkage == was:
+    if not is_dragged:
         return end - behind * decay
     gain = (end - start) / (state.linkage - was)
     of_velocity, of_acceleration = lag_of_slip(time_constant, state.trace_damping, state.trace_stiffness)
@@ -68,12 +70,12 @@ def lag_behind(p, state, memory, place, time_constant, was, reading, decay):
 def lag_of_pulls(p, memory, place, time_constant, gain, of_acceleration):
     """Return how far a lagged reading is further behind an integrated step: by its pulls, and by a bow. [m]"""
     count, side, spacing = int(memory.trace_count), memory.step_side, memory.step_spacing
-    lag = memory.lags[place]
+    lag, play = memory.lags[place], side * p.backlash_half_width
     remember_lag(lag, 1.0 / time_constant, spacing, count)
     for node in range(count + 1):
         # The lag's own acceleration factor feeds on the slope of the pulls.
         source = -of_acceleration * gain * slope_at(count, memory.pull_powers, float(node)) / spacing
-        position = memory.step_position + side * memory.ways[node]
+        position = memory.step_position + side * memory.ways[node] - play
         source += (bow_slope(p, position) - gain) * memory.speeds[node]
         memory.forces[node] = side * source
     follow_nodes(lag, 0.0, memory.forces, memory.powers, memory.values)
