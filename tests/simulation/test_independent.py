@@ -21,7 +21,9 @@ PAIRS = (
     ("coil_lag", "position_dependent_friction"), ("supply_droop", "friction_drift"), ("gap_drift", "stribeck"),
     ("magnetic_hysteresis", "coil_lag"), ("asymmetric_filling", "sensor_lag"),
     ("coil_lag", "stribeck"), ("chamber_filling", "stribeck"),
-    ("sensor_lag", "linkage_nonlinearity"), ("magnetic_hysteresis", "chamber_filling", "stribeck", "linkage_backlash"),
+    ("sensor_lag", "linkage_nonlinearity"), ("sensor_lag", "linkage_nonlinearity", "linkage_backlash"),
+    ("sensor_lag", "chamber_filling", "linkage_backlash"), ("sensor_lag", "spring_hardening", "linkage_backlash"),
+    ("magnetic_hysteresis", "chamber_filling", "stribeck", "linkage_backlash"),
 )  # fmt: skip
 
 
