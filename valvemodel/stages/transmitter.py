@@ -33,9 +33,23 @@ def time_constants(p):
     return mean + half, mean - half
 
 
-@compiled
+@inlined
 def follow_linkage(p, state, memory, was, is_dragged, duration):
     """Follow the linkage through a step from a position to where it is: each lag on its own."""
+    if p.sensor_second_time_constant > 0.0:
+        follow_twice(p, state, memory, was, is_dragged, duration)
+        return
+    time_constant = p.sensor_time_constant
+    if state.lag_duration != duration:
+        state.lag_duration, state.lag_decay = duration, math.exp(-duration / time_constant)
+    state.lagged_reading = lag_behind(
+        p, state, memory, 4, time_constant, was, is_dragged, state.lagged_reading, state.lag_decay
+    )
+
+
+@compiled
+def follow_twice(p, state, memory, was, is_dragged, duration):
+    """Follow the linkage with two lags, apart from the common case of one, which it would slow down."""
     longer, shorter = time_constants(p)
     if state.lag_duration != duration:
         state.lag_duration = duration
@@ -50,7 +64,7 @@ def follow_linkage(p, state, memory, was, is_dragged, duration):
         )
 
 
-@compiled
+@inlined
 def lag_behind(p, state, memory, place, time_constant, was, is_dragged, reading, decay):
     """Return a lagged reading at the end of a step that began at a position of the linkage. [m]"""
     start, end = bow(p, was), bow(p, state.linkage)
