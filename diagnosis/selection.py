@@ -130,12 +130,14 @@ def extensions(
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
     alone = [each.effects[0] for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])][:BEST_ALONE]
+    # What has no numbers to fit costs one run, and a promise by slopes says little of it.
+    plain = [key for key in single if not effect_of_key(key).fitted]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
         is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
-        certain = list(dict.fromkeys([*stopping, *(key for key in alone if key not in leader.effects)]))
+        certain = list(dict.fromkeys([*stopping, *(key for key in (*alone, *plain) if key not in leader.effects)]))
         for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
