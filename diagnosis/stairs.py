@@ -9,6 +9,7 @@ from identification.experiment import Experiment
 from identification.extension import extend
 from identification.fit import Fit
 from identification.staircase import stops_on_the_way
+from identification.stick_slip import REACH
 from valvemodel.stages import EFFECTS
 
 FEW_STOPS = 3
@@ -16,9 +17,6 @@ FEW_STOPS = 3
 
 STEPPED = 0.5
 """Share of the base's error below which an effect that makes stairs must come, or there are none: a lag rests too."""
-
-REACH = 4.0
-"""Error beyond which a sample of such a record counts by the logarithm: a slip is many times as high. [noise]"""
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:

@@ -12,6 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.search import Found, descend, errors, roam
+from identification.stick_slip import line_of_stairs, search_slips
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -77,6 +78,11 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
+    line = line_of_stairs(fit.problem, fit.found.point) if effect.breakaway and is_global else None
+    if line is not None:
+        problem, best = search_slips(effect, line, forms_of(fit, effect))
+        if effect.is_chaotic or best.error < (1.0 - WORTH_POLISHING) * fit.found.error:
+            return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
@@ -90,6 +96,16 @@ def extend(
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
+    """Return the problem with an effect in each of its forms, and the scaled points where searches for it begin."""
+    forms: dict[tuple[float, ...], list[tuple[Problem, np.ndarray]]] = {}
+    held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
+    for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+        pair = joined(fit.problem, fit.found.point, effect, start)
+        forms.setdefault(tuple(start[name] for name in held), []).append(pair)
+    return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
 def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:

@@ -1,0 +1,175 @@
+"""Stick-slip: a search for what makes the stem jump, from the breakaways to the slips and on to the whole run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identification.breakaway import Line, breakaways_of, line_through, put_on_rests
+from identification.problem import Problem
+from identification.search import Found, errors, roam_through
+from valvemodel.declarations import Effect
+from valvemodel.effects import effect_of_key
+
+REACH = 4.0
+"""Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
+
+LEAST_STEPS = 8
+"""Breakaways on the way from which a record has stairs."""
+
+BEYOND = 0.5
+"""How far the search goes beyond the outermost starts of a logarithmic number, in powers of e."""
+
+DAMPING = 1.2
+"""Viscous friction is searched for within so many powers of e."""
+
+SIZE, GENERATIONS = 6, 20
+"""Points of the search for the slips for each number, and generations."""
+
+NEARBY = 0.1
+"""Share of the slips' box, either way, within which the whole run is searched."""
+
+SLACK = 2.5
+"""The same along the line through the breakaways, in standard deviations."""
+
+NEARBY_SIZE, NEARBY_GENERATIONS = 4, 40
+"""Points of the search near by for each number, and generations."""
+
+
+@dataclass(frozen=True)
+class Slips:
+    """The numbers that set how far a slip goes, while the line through the breakaways stays or moves within its slack.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the effect's unknowns.
+    ratio : int
+        Unknown that is the breakaway force over Coulomb friction, of the effect.
+    friction : int
+        Unknown that is the Coulomb friction.
+    others : list of int
+        Unknowns of the effect beside the ratio, and the viscous friction.
+    line : Line
+    """
+
+    problem: Problem
+    ratio: int
+    friction: int
+    others: list[int]
+    line: Line
+
+    def points_of(self, centre: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """Return scaled points beside a centre, shape (p, unknowns).
+
+        Parameters
+        ----------
+        centre : array, shape (unknowns,)
+        moves : array, shape (p, m)
+            Change of the excess of the ratio over 1 in powers of e; of the others; along the slack of the line, if any.
+        """
+        points = np.repeat(centre[None, :], len(moves), axis=0)
+        count = 1 + len(self.others)
+        if moves.shape[1] > count:
+            points[:, self.line.columns] += moves[:, count:] @ self.line.slack.T
+        points[:, self.others] += moves[:, 1:count]
+        unknown = self.problem.unknowns[self.ratio]
+        ratio = unknown.value(centre[self.ratio])
+        changed = np.minimum(1.0 + (ratio - 1.0) * np.exp(moves[:, 0]), unknown.high)
+        points[:, self.ratio] = (changed - unknown.centre) / unknown.spread
+        # The breakaway force stays.
+        points[:, self.friction] -= np.log(changed / ratio)
+        return np.clip(points, *self.problem.bounds)
+
+
+def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
+    """Return the line through the breakaways of a fit; None where too few are steps of stairs, or it has no time."""
+    acts_later = any(effect_of_key(key).stage in ("stem", "sensor") for key in problem.model.effects)
+    if acts_later or any(experiment.is_loop for experiment in problem.experiments):
+        return None
+    breakaways = breakaways_of(problem)
+    if len(breakaways.position) == 0 or breakaways.on_the_way(point) < LEAST_STEPS:
+        return None
+    return line_through(breakaways, point)
+
+
+def search_slips(effect: Effect, line: Line, groups: Sequence[tuple[Problem, np.ndarray]]) -> tuple[Problem, Found]:
+    """Search for an effect that makes the stem jump.
+
+    First each slip is judged by itself and the line through the breakaways stays: few numbers, one valley. Then all
+    numbers move near by, judged by the re-anchored and by the free run.
+
+    Parameters
+    ----------
+    effect : Effect
+    line : Line
+    groups : sequence of (Problem, array)
+        Problems with the effect, one for each form of it, and the scaled starts, shape (starts, unknowns).
+    """
+    searched = [search_form(effect, line, problem, starts) for problem, starts in groups]
+    slips, box, found = min(searched, key=lambda each: each[2].error)
+    return slips.problem, search_near(slips, box, found)
+
+
+def search_form(
+    effect: Effect, line: Line, problem: Problem, starts: np.ndarray
+) -> tuple[Slips, list[tuple[float, float]], Found]:
+    """Search for the numbers of the slips, each slip judged by itself."""
+    names = [unknown.name for unknown in problem.unknowns]
+    added = [names.index(parameter.name) for parameter in effect.fitted]
+    ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
+    others = [*(number for number in added if number != ratio), names.index("viscous_friction")]
+    slips = Slips(problem, ratio, friction, others, line)
+    excesses = np.log(problem.unknowns[ratio].value(starts[:, ratio]) - 1.0)
+    widths = [(excesses.min() - BEYOND, excesses.max() + BEYOND)]
+    for number in others[:-1]:
+        more = BEYOND if problem.unknowns[number].is_logarithmic else 0.0
+        neutral = problem.unknowns[number].scaled(effect.parameter(names[number]).neutral)
+        low, high = starts[:, number].min(), starts[:, number].max()
+        widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
+    widths.append((-DAMPING, DAMPING))
+    centre = starts[0].copy()
+    # What the line leaves open is as it was given: a fit without the effect misleads.
+    centre[[number for number, name in enumerate(names) if name in problem.model.values]] = 0.0
+    centre[line.columns] = line.point[line.columns]
+    centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
+    centre[ratio] = problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0])))
+    centre[friction] -= np.log(problem.unknowns[ratio].value(centre[ratio]))
+    box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
+    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
+    judged = replace(problem, experiments=rested, is_anchored=True)
+    found = roam_through(
+        judged,
+        lambda moves: slips.points_of(centre, moves),
+        box,
+        size=SIZE,
+        generations=GENERATIONS,
+        enough=problem.noise_error,
+    )
+    return slips, box, found
+
+
+def search_near(slips: Slips, box: list[tuple[float, float]], begun: Found) -> Found:
+    """Search all numbers near by, judged by the re-anchored and then by the free run; the best by both wins."""
+    near = [(NEARBY * low, NEARBY * high) for low, high in box] + [(-SLACK, SLACK)] * len(slips.line.columns)
+    tempered = [replace(experiment, reach=REACH) for experiment in slips.problem.experiments]
+    yardsticks = [
+        replace(slips.problem, experiments=tempered, is_anchored=is_anchored) for is_anchored in (True, False)
+    ]
+    found = [begun.point]
+    for each in yardsticks:
+        found.append(
+            roam_through(
+                each,
+                lambda moves, centre=found[-1]: slips.points_of(centre, moves),
+                near,
+                size=NEARBY_SIZE,
+                generations=NEARBY_GENERATIONS,
+                enough=slips.problem.noise_error,
+                start=np.zeros(len(near)),
+            ).point
+        )
+    best = min(found, key=lambda point: np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
+    return Found(best, float(errors(slips.problem, best[None, :])[0]))
