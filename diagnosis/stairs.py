@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from identification.experiment import Experiment
-from identification.extension import extend
+from identification.extension import extend, slips_by
 from identification.fit import Fit
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
@@ -36,5 +36,8 @@ def makes_stairs(base: Fit) -> bool:
 
     A reading in coarse steps does not count: no slip comes early in it.
     """
-    keys = [each.key for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
-    return any(extend(base, key).found.error < STEPPED * base.found.error for key in keys)
+    makers = [each for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
+    return any(
+        slips_by(base, each) is not None or extend(base, each.key).found.error < STEPPED * base.found.error
+        for each in makers
+    )

@@ -251,7 +251,8 @@ def _laid(
         loss="soft_l1",
         f_scale=FAR,
         x_scale="jac",
-        max_nfev=40,
+        ftol=1e-4,
+        max_nfev=20,
     )
     return moved(result.x)
 

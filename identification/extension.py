@@ -12,7 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.search import Found, descend, errors, roam
-from identification.stick_slip import line_of_stairs, search_slips
+from identification.stick_slip import SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -51,6 +51,10 @@ WORTH_FOLLOWING = 0.3
 """Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
 
 
+EXPLAINED = 0.8
+"""Share of a fit's error at the slips below which an effect must come for the search to go on from there."""
+
+
 @threadpool_limits.wrap(limits=1)
 def extend(
     fit: Fit, key: str, known: dict[str, float] | None = None, *, kin: Fit | None = None, is_global: bool = True
@@ -78,11 +82,10 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
-    line = line_of_stairs(fit.problem, fit.found.point) if effect.breakaway and is_global else None
-    if line is not None:
-        problem, best = search_slips(effect, line, forms_of(fit, effect))
-        if effect.is_chaotic or best.error < (1.0 - WORTH_POLISHING) * fit.found.error:
-            return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    begun = slips_by(fit, effect) if effect.breakaway and is_global else None
+    if begun is not None:
+        problem, best = search_near(begun)
+        return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
@@ -96,6 +99,15 @@ def extend(
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+def slips_by(fit: Fit, effect: Effect) -> SlipSearch | None:
+    """Return what an effect that makes the stem jump makes of the slips of stairs; None without any, or in vain."""
+    line = line_of_stairs(fit.problem, fit.found.point)
+    if line is None:
+        return None
+    begun = search_slips(effect, line, forms_of(fit, effect))
+    return begun if begun.found.error < EXPLAINED * error_at_rests(fit.problem, fit.found.point) else None
 
 
 def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:

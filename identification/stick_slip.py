@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -28,13 +29,19 @@ DAMPING = 1.2
 SIZE, GENERATIONS = 6, 20
 """Points of the search for the slips for each number, and generations."""
 
+KINDRED = 0.5
+"""Share of the slips' box, either way, within which another form of the effect is searched."""
+
+KINDRED_SIZE, KINDRED_GENERATIONS = 5, 12
+"""Points of that search for each number, and generations."""
+
 NEARBY = 0.1
 """Share of the slips' box, either way, within which the whole run is searched."""
 
 SLACK = 2.5
 """The same along the line through the breakaways, in standard deviations."""
 
-NEARBY_SIZE, NEARBY_GENERATIONS = 4, 40
+NEARBY_SIZE, NEARBY_GENERATIONS = 4, 30
 """Points of the search near by for each number, and generations."""
 
 
@@ -95,28 +102,53 @@ def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     return line_through(breakaways, point)
 
 
-def search_slips(effect: Effect, line: Line, groups: Sequence[tuple[Problem, np.ndarray]]) -> tuple[Problem, Found]:
-    """Search for an effect that makes the stem jump.
+@dataclass(frozen=True)
+class SlipSearch:
+    """A search for an effect that makes the stem jump, after each slip was judged by itself.
 
-    First each slip is judged by itself and the line through the breakaways stays: few numbers, one valley. Then all
-    numbers move near by, judged by the re-anchored and by the free run.
+    Attributes
+    ----------
+    slips : Slips
+    box : list of (low, high)
+        Of the numbers of the slips.
+    found : Found
+    """
+
+    slips: Slips
+    box: list[tuple[float, float]]
+    found: Found
+
+
+def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.ndarray]]) -> SlipSearch:
+    """Search for the numbers of an effect that makes the stem jump, each slip judged by itself.
+
+    The line through the breakaways stays: few numbers are left, and their error has few minima.
 
     Parameters
     ----------
     effect : Effect
     line : Line
-    groups : sequence of (Problem, array)
+    forms : sequence of (Problem, array)
         Problems with the effect, one for each form of it, and the scaled starts, shape (starts, unknowns).
     """
-    searched = [search_form(effect, line, problem, starts) for problem, starts in groups]
-    slips, box, found = min(searched, key=lambda each: each[2].error)
-    return slips.problem, search_near(slips, box, found)
+    first = search_form(effect, line, *forms[0])
+    others = [search_kindred(first, problem) for problem, _ in forms[1:]]
+    return min([first, *others], key=lambda each: each.found.error)
 
 
-def search_form(
-    effect: Effect, line: Line, problem: Problem, starts: np.ndarray
-) -> tuple[Slips, list[tuple[float, float]], Found]:
-    """Search for the numbers of the slips, each slip judged by itself."""
+def error_at_rests(problem: Problem, point: np.ndarray) -> float:
+    """Return the error of a problem whose slips are judged by themselves."""
+    return float(errors(on_rests(problem), point[None, :])[0])
+
+
+def on_rests(problem: Problem) -> Problem:
+    """Return the problem whose runs are put anew on each rest: each slip is judged by itself."""
+    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
+    return replace(problem, experiments=rested, is_anchored=True)
+
+
+def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray) -> SlipSearch:
+    """Search for the numbers of one form of an effect."""
     names = [unknown.name for unknown in problem.unknowns]
     added = [names.index(parameter.name) for parameter in effect.fitted]
     ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
@@ -138,38 +170,51 @@ def search_form(
     centre[ratio] = problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0])))
     centre[friction] -= np.log(problem.unknowns[ratio].value(centre[ratio]))
     box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
-    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
-    judged = replace(problem, experiments=rested, is_anchored=True)
     found = roam_through(
-        judged,
-        lambda moves: slips.points_of(centre, moves),
+        on_rests(problem),
+        partial(slips.points_of, centre),
         box,
         size=SIZE,
         generations=GENERATIONS,
         enough=problem.noise_error,
     )
-    return slips, box, found
+    return SlipSearch(slips, box, found)
 
 
-def search_near(slips: Slips, box: list[tuple[float, float]], begun: Found) -> Found:
+def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
+    """Search for the numbers of another form of an effect, beside those of the first."""
+    slips = replace(begun.slips, problem=problem)
+    found = roam_through(
+        on_rests(problem),
+        partial(slips.points_of, begun.found.point),
+        [(KINDRED * low, KINDRED * high) for low, high in begun.box],
+        size=KINDRED_SIZE,
+        generations=KINDRED_GENERATIONS,
+        enough=problem.noise_error,
+        start=np.zeros(len(begun.box)),
+    )
+    return SlipSearch(slips, begun.box, found)
+
+
+def search_near(begun: SlipSearch) -> tuple[Problem, Found]:
     """Search all numbers near by, judged by the re-anchored and then by the free run; the best by both wins."""
-    near = [(NEARBY * low, NEARBY * high) for low, high in box] + [(-SLACK, SLACK)] * len(slips.line.columns)
+    slips = begun.slips
+    near = [(NEARBY * low, NEARBY * high) for low, high in begun.box] + [(-SLACK, SLACK)] * len(slips.line.columns)
     tempered = [replace(experiment, reach=REACH) for experiment in slips.problem.experiments]
     yardsticks = [
         replace(slips.problem, experiments=tempered, is_anchored=is_anchored) for is_anchored in (True, False)
     ]
-    found = [begun.point]
+    found = [begun.found.point]
     for each in yardsticks:
-        found.append(
-            roam_through(
-                each,
-                lambda moves, centre=found[-1]: slips.points_of(centre, moves),
-                near,
-                size=NEARBY_SIZE,
-                generations=NEARBY_GENERATIONS,
-                enough=slips.problem.noise_error,
-                start=np.zeros(len(near)),
-            ).point
+        at_best = roam_through(
+            each,
+            partial(slips.points_of, found[-1]),
+            near,
+            size=NEARBY_SIZE,
+            generations=NEARBY_GENERATIONS,
+            enough=slips.problem.noise_error,
+            start=np.zeros(len(near)),
         )
+        found.append(at_best.point)
     best = min(found, key=lambda point: np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
-    return Found(best, float(errors(slips.problem, best[None, :])[0]))
+    return slips.problem, Found(best, float(errors(slips.problem, best[None, :])[0]))
