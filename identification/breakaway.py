@@ -251,8 +251,8 @@ def _laid(
         loss="soft_l1",
         f_scale=FAR,
         x_scale="jac",
-        ftol=1e-4,
-        max_nfev=20,
+        ftol=1e-6,
+        max_nfev=60,
     )
     return moved(result.x)
 
