@@ -26,7 +26,7 @@ BEYOND = 0.5
 DAMPING = 1.2
 """Viscous friction is searched for within so many powers of e."""
 
-SIZE, GENERATIONS = 6, 20
+SIZE, GENERATIONS = 6, 15
 """Points of the search for the slips for each number, and generations."""
 
 KINDRED = 0.5
@@ -35,14 +35,23 @@ KINDRED = 0.5
 KINDRED_SIZE, KINDRED_GENERATIONS = 5, 12
 """Points of that search for each number, and generations."""
 
-NEARBY = 0.1
-"""Share of the slips' box, either way, within which the whole run is searched."""
 
-SLACK = 2.5
-"""The same along the line through the breakaways, in standard deviations."""
+@dataclass(frozen=True)
+class Stage:
+    """One stage of the search of all numbers: share of the slips' box either way, points for each number, generations.
 
-NEARBY_SIZE, NEARBY_GENERATIONS = 4, 30
-"""Points of the search near by for each number, and generations."""
+    Along the line through the breakaways it reaches a standard deviation either way.
+    """
+
+    share: float
+    size: int
+    generations: int
+
+
+AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 30), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
+
+LAWFUL = 2.0
+"""Error of the re-anchored run from which another law acts, and the phase of a free run says little. [noise]"""
 
 
 @dataclass(frozen=True)
@@ -197,24 +206,32 @@ def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
 
 
 def search_near(begun: SlipSearch) -> tuple[Problem, Found]:
-    """Search all numbers near by, judged by the re-anchored and then by the free run; the best by both wins."""
-    slips = begun.slips
-    near = [(NEARBY * low, NEARBY * high) for low, high in begun.box] + [(-SLACK, SLACK)] * len(slips.line.columns)
-    tempered = [replace(experiment, reach=REACH) for experiment in slips.problem.experiments]
-    yardsticks = [
-        replace(slips.problem, experiments=tempered, is_anchored=is_anchored) for is_anchored in (True, False)
-    ]
-    found = [begun.found.point]
-    for each in yardsticks:
-        at_best = roam_through(
-            each,
-            partial(slips.points_of, found[-1]),
-            near,
-            size=NEARBY_SIZE,
-            generations=NEARBY_GENERATIONS,
-            enough=slips.problem.noise_error,
-            start=np.zeros(len(near)),
-        )
-        found.append(at_best.point)
-    best = min(found, key=lambda point: np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
-    return slips.problem, Found(best, float(errors(slips.problem, best[None, :])[0]))
+    """Search all numbers near by: each slip by itself, then the re-anchored and the free run; the best by both wins."""
+    problem = begun.slips.problem
+    tempered = replace(problem, experiments=[replace(each, reach=REACH) for each in problem.experiments])
+    anchored, free = replace(tempered, is_anchored=True), replace(tempered, is_anchored=False)
+    found = [search_beside(begun, begun.found.point, on_rests(problem), AT_RESTS)]
+    found.append(search_beside(begun, found[-1].point, anchored, ANCHORED))
+    if found[-1].error < LAWFUL * problem.noise_error:
+        found.append(search_beside(begun, found[-1].point, free, FREE))
+
+    def misfit(point: np.ndarray) -> float:
+        return float(errors(anchored, point[None, :])[0] * errors(free, point[None, :])[0])
+
+    best = min((each.point for each in found), key=misfit)
+    return problem, Found(best, float(errors(problem, best[None, :])[0]))
+
+
+def search_beside(begun: SlipSearch, centre: np.ndarray, problem: Problem, stage: Stage) -> Found:
+    """Search all numbers beside a scaled point."""
+    along = [(-1.0, 1.0)] * len(begun.slips.line.columns)
+    box = [(stage.share * low, stage.share * high) for low, high in begun.box] + along
+    return roam_through(
+        problem,
+        partial(begun.slips.points_of, centre),
+        box,
+        size=stage.size,
+        generations=stage.generations,
+        enough=problem.noise_error,
+        start=np.zeros(len(box)),
+    )
