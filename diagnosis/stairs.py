@@ -38,6 +38,5 @@ def makes_stairs(base: Fit) -> bool:
     """
     makers = [each for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
     return any(
-        slips_by(base, each) is not None or extend(base, each.key).found.error < STEPPED * base.found.error
-        for each in makers
+        bool(slips_by(base, each)) or extend(base, each.key).found.error < STEPPED * base.found.error for each in makers
     )

@@ -82,8 +82,8 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
-    begun = slips_by(fit, effect) if effect.breakaway and is_global else None
-    if begun is not None:
+    begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+    if begun:
         problem, best = search_near(begun)
         return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
@@ -101,13 +101,22 @@ def extend(
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
-def slips_by(fit: Fit, effect: Effect) -> SlipSearch | None:
-    """Return what an effect that makes the stem jump makes of the slips of stairs; None without any, or in vain."""
+def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearch]:
+    """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
+
+    Returns
+    -------
+    list of SlipSearch
+        Empty where there are no stairs, or where the slips are not explained much better than without the effect, or
+        than by its kin.
+    """
     line = line_of_stairs(fit.problem, fit.found.point)
     if line is None:
-        return None
+        return []
     begun = search_slips(effect, line, forms_of(fit, effect))
-    return begun if begun.found.error < EXPLAINED * error_at_rests(fit.problem, fit.found.point) else None
+    rivals = [each for each in (fit, kin) if each is not None]
+    least = min(error_at_rests(each.problem, each.found.point) for each in rivals)
+    return begun if begun[0].found.error < EXPLAINED * least else []
 
 
 def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:

@@ -11,6 +11,7 @@ import numpy as np
 from identification.breakaway import Line, breakaways_of, line_through, put_on_rests
 from identification.problem import Problem
 from identification.search import Found, errors, roam_through
+from identification.wide import AT_NOISE
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -48,7 +49,10 @@ class Stage:
     generations: int
 
 
-AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 30), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
+AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
+
+CLOSE = 1.25
+"""Factor within which the error of another form must come at the slips for that form to be followed."""
 
 LAWFUL = 2.0
 """Error of the re-anchored run from which another law acts, and the phase of a free run says little. [noise]"""
@@ -128,8 +132,8 @@ class SlipSearch:
     found: Found
 
 
-def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.ndarray]]) -> SlipSearch:
-    """Search for the numbers of an effect that makes the stem jump, each slip judged by itself.
+def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.ndarray]]) -> list[SlipSearch]:
+    """Search for the numbers of an effect that makes the stem jump, each slip judged by itself; the best form first.
 
     The line through the breakaways stays: few numbers are left, and their error has few minima.
 
@@ -142,7 +146,7 @@ def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.n
     """
     first = search_form(effect, line, *forms[0])
     others = [search_kindred(first, problem) for problem, _ in forms[1:]]
-    return min([first, *others], key=lambda each: each.found.error)
+    return sorted([first, *others], key=lambda each: each.found.error)
 
 
 def error_at_rests(problem: Problem, point: np.ndarray) -> float:
@@ -205,15 +209,26 @@ def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
     return SlipSearch(slips, begun.box, found)
 
 
-def search_near(begun: SlipSearch) -> tuple[Problem, Found]:
-    """Search all numbers near by: each slip by itself, then the re-anchored and the free run; the best by both wins."""
-    problem = begun.slips.problem
+def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
+    """Search all numbers near by: each slip by itself, then the re-anchored and the free run; the best by both wins.
+
+    The forms of an effect are tried one after the other until one comes down to the noise.
+    """
+    searched: list[tuple[SlipSearch, Found]] = []
+    for each in begun:
+        if each.found.error > CLOSE * begun[0].found.error:
+            break
+        problem = each.slips.problem
+        searched.append((each, search_beside(each, each.found.point, on_rests(problem), AT_RESTS)))
+        if searched[-1][1].error <= AT_NOISE**2 * problem.noise_error:
+            break
+    slip, at_rests = min(searched, key=lambda pair: pair[1].error)
+    problem = slip.slips.problem
     tempered = replace(problem, experiments=[replace(each, reach=REACH) for each in problem.experiments])
     anchored, free = replace(tempered, is_anchored=True), replace(tempered, is_anchored=False)
-    found = [search_beside(begun, begun.found.point, on_rests(problem), AT_RESTS)]
-    found.append(search_beside(begun, found[-1].point, anchored, ANCHORED))
+    found = [at_rests, search_beside(slip, at_rests.point, anchored, ANCHORED)]
     if found[-1].error < LAWFUL * problem.noise_error:
-        found.append(search_beside(begun, found[-1].point, free, FREE))
+        found.append(search_beside(slip, found[-1].point, free, FREE))
 
     def misfit(point: np.ndarray) -> float:
         return float(errors(anchored, point[None, :])[0] * errors(free, point[None, :])[0])
