@@ -8,8 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from identification.breakaway import Line, breakaways_of, line_through, put_on_rests
+from identification.breakaway import Line, breakaways_of, line_through
 from identification.problem import Problem
+from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
 from identification.wide import AT_NOISE
 from valvemodel.declarations import Effect

@@ -10,11 +10,12 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH, makes_stairs
-from identification.breakaway import breakaways_of, line_through, put_on_rests, rests_of
+from identification.breakaway import breakaways_of, line_through
 from identification.experiment import experiment_of
 from identification.extension import extend, forms_of, slips_by
 from identification.fit import fit_base
 from identification.holdout import hold_out
+from identification.rests import put_on_rests, rests_of
 from identification.stick_slip import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
