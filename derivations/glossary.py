@@ -132,6 +132,7 @@ _EFFECTS = (
     Letter("r_m", "saturation_slope", "1", "slope above the knee over slope below"),
     Letter("i_k", "saturation_knee", "A", "current at the knee"),
     Letter("w_i", "saturation_rounding", "A", "width of the knee"),
+    Letter("b_i", "saturation_reach", "A", "way above the knee over which the gain falls"),
     Letter("T_f", "chamber_filling_time", "s", "time to fill to P_1 at the full orifice flow"),
     Letter("g_f", "filling_growth", "1", "growth of that time from no pressure to P_1", "any"),
     Letter("r_p", "pressure_ratio", "1", "absolute pressure behind a hole over that before it"),

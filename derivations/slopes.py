@@ -12,20 +12,36 @@ from derivations.nozzle import normalised_inflow
 
 _PARTS = (
     "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "share_of_travel",
-    "bow_slope", "skew_slope",
+    "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope",
 )  # fmt: skip
-ABOVE, PRESSURE_SHARE, RELATIVE, DISTANCE, RELATIVE_SPEED, TRAVEL_SHARE, BOW_SLOPE, SKEW_SLOPE = (
-    sp.Symbol(name, positive=True) for name in _PARTS
-)
+(
+    ABOVE,
+    PRESSURE_SHARE,
+    RELATIVE,
+    DISTANCE,
+    RELATIVE_SPEED,
+    TRAVEL_SHARE,
+    BOW_SLOPE,
+    SKEW_SLOPE,
+    RAMP,
+    RAMP_SLOPE,
+    LOSS_SLOPE,
+) = (sp.Symbol(name, positive=True) for name in _PARTS)
 """What the laws are functions of; each is a part with a line of its own."""
 
 
 def rows() -> Iterator[tuple[Any, ...]]:
     """Yield the arguments of `Source` for each function to generate, in the order of the chain."""
     yield (
-        "saturated_current_by_current", "electromagnet", "i r_m i_k w_i", sp.diff(saturated_current(), ABOVE),
+        "saturated_current_by_current", "electromagnet", "i r_m i_k w_i b_i",
+        1 - (1 - symbol("r_m")) * LOSS_SLOPE * RAMP_SLOPE,
         "Slope of the current that the flux stands for.", "magnetic_saturation, differentiated", "1",
-        ((ABOVE.name, symbol("i") - symbol("i_k")),),
+        (
+            (ABOVE.name, symbol("i") - symbol("i_k")),
+            (RAMP.name, rounded_ramp()),
+            (RAMP_SLOPE.name, sp.diff(rounded_ramp(), ABOVE)),
+            (LOSS_SLOPE.name, sp.factor(sp.diff(lost_current(), RAMP))),
+        ),
     )  # fmt: skip
     yield (
         "chamber_rate", "nozzle", "P_b delta P_1 K T_f g_f", chamber_rate(),
@@ -103,10 +119,14 @@ def rows() -> Iterator[tuple[Any, ...]]:
     )  # fmt: skip
 
 
-def saturated_current() -> sp.Expr:
-    """Two straight parts with a rounded knee, as a function of the current above it, but for a constant."""
-    slope, width = symbols("r_m w_i")
-    return ABOVE - (1 - slope) * (ABOVE + sp.sqrt(ABOVE**2 + width**2)) / 2
+def rounded_ramp() -> sp.Expr:
+    """The current above the knee, 0 below it, with a rounded corner."""
+    return (ABOVE + sp.sqrt(ABOVE**2 + symbol("w_i") ** 2)) / 2
+
+
+def lost_current() -> sp.Expr:
+    """What is lost above the knee with no slope far above it: the rest is Froehlich's hyperbola, or nothing."""
+    return RAMP**2 / (RAMP + symbol("b_i"))
 
 
 def filling_time() -> sp.Expr:

@@ -21,6 +21,7 @@ from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import library_for, select
 from diagnosis.sham import Control, control_of
+from diagnosis.stages import open_stages, stage_probabilities
 from diagnosis.stairs import makes_stairs, with_stairs
 from diagnosis.trying import Candidate, workers
 from diagnosis.where import Where, where_of
@@ -29,8 +30,7 @@ from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
 from identification.timing import experiments_of
 from identification.uncertainty import estimates
-from valvemodel.declarations import STAGES
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -143,10 +143,31 @@ class Diagnosis(Told):
         """The best cause."""
         return self.causes[0]
 
+    @property
+    def open_stages(self) -> list[str]:
+        """Stages in which the cause may lie as far as the records tell, the most probable first."""
+        return open_stages(self.verdict, self.stage_probability, [self.cause.effects, *self.cause.rivals])
+
+    @property
+    def not_tried(self) -> list[str]:
+        """Effects that were no candidates, or that nothing called for."""
+        tried = {each.effects for each in self.causes}
+        return [effect.key for effect in EFFECTS if (effect.key,) not in tried]
+
+    @property
+    def untried_aliases(self) -> list[str]:
+        """Effects that were not tried and are declared to look like one that is named."""
+        named = self.cause.effects if self.verdict == "effect" else ()
+        return [key for key in self.not_tried if any(are_aliases(key, each) for each in named)]
+
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
         content = content_of(self)
-        content["where"] |= {"regime_map": self.regime_map.as_json(), **self.stage_gaps.as_json()}
+        content["where"] |= {
+            "open_stages": self.open_stages,
+            "regime_map": self.regime_map.as_json(),
+            **self.stage_gaps.as_json(),
+        }
         return {
             **content,
             "gap": {
@@ -169,9 +190,8 @@ class Diagnosis(Told):
             "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {"name": self.base.model.name, "file": "base.json"},
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
-            "not_tried": [
-                effect.key for effect in EFFECTS if (effect.key,) not in {each.effects for each in self.causes}
-            ],
+            "not_tried": self.not_tried,
+            "untried_aliases": self.untried_aliases,
             "records": [experiment.name for experiment in self.experiments],
             "warnings": list(self.warnings),
             "seconds": self.seconds,
@@ -247,7 +267,7 @@ def diagnose(
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
     causes[0] = with_parameters(causes[0], whole)
-    stage_probability = stages_of(causes, judgement.unknown)
+    stage_probability = stage_probabilities(tried, judgement)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
@@ -356,18 +376,6 @@ def verdict_of(causes: Sequence[Cause], judgement: Judgement) -> str:
     none = sum(cause.probability for cause in causes if not cause.effects)
     effect = 1.0 - none - judgement.unknown
     return max((effect, "effect"), (none, "none"), (judgement.unknown, "unknown"))[1]
-
-
-def stages_of(causes: Sequence[Cause], unknown: float) -> dict[str, float]:
-    """Return the probability that the gap lies in each stage; a cause of several stages counts in each by its share."""
-    shares = dict.fromkeys(STAGES, 0.0)
-    for cause in causes:
-        for key in cause.effects:
-            shares[effect_of_key(key).stage] += cause.probability / len(cause.effects)
-    known = sum(shares.values())
-    if known > 0.0:
-        shares = {stage: share * (known + unknown) / known for stage, share in shares.items()}
-    return shares
 
 
 def steps_of(

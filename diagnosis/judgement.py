@@ -11,7 +11,7 @@ import numpy as np
 from diagnosis.score import Errors, Score
 from diagnosis.selection import explains, stops_seen
 from diagnosis.trying import Candidate
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 
 SHARPNESS = 5.0
 """Power of the error by which a cause loses to one with less: models are never right to the last sample."""
@@ -88,6 +88,8 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
     allowed = NOTICE + form * before
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
+    # No effect has no form in which it could be missed: only what is below notice excuses it.
+    evidence[0] -= sharpness * math.log((1.0 + left[0] / NOTICE) / (1.0 + left[0] / allowed[0]))
     if has_stops:
         evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])
@@ -153,17 +155,18 @@ def log_prior(candidate: Candidate) -> float:
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:
     """Return the causes, of no more effects, whose error on unseen data is like the chosen one's.
 
-    The empty cause means the base alone. A cause that only adds to the chosen one is no rival.
+    The empty cause means the base alone. A cause that only adds to the chosen one is no rival. Beside no effect at all
+    those that are declared to hide in the base come first: no record of current and position rules them out.
     """
     base, mine = candidates[0], candidates[chosen]
-    found: list[tuple[float, tuple[str, ...]]] = []
+    found: list[tuple[bool, float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
         if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
             continue
         if mine.effects and set(mine.effects) < set(other.effects):
             continue
         difference = abs(judgement.evidence[number] - judgement.evidence[chosen])
-        is_alias = are_aliases(mine.effects, other.effects)
+        is_alias = differ_by_aliases(mine.effects, other.effects)
         if is_alias and any(effect_of_key(key).is_chaotic for key in other.effects):
             # No search comes to the end of its error: that it lies behind says little.
             within = math.inf
@@ -172,14 +175,13 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
         else:
             within = WITHIN_ERROR
         if difference < within:
-            found.append((-judgement.evidence[number], other.effects))
-    return [effects for _, effects in sorted(found)][:MOST_RIVALS]
+            found.append((bool(mine.effects) or not is_alias, -judgement.evidence[number], other.effects))
+    return [effects for *_, effects in sorted(found)][:MOST_RIVALS]
 
 
-def are_aliases(effects: tuple[str, ...], others: tuple[str, ...]) -> bool:
-    """Return whether two causes differ by one effect for which the other is declared to come close."""
-    mine, theirs = set(effects) - set(others), set(others) - set(effects)
+def differ_by_aliases(effects: tuple[str, ...], others: tuple[str, ...]) -> bool:
+    """Return whether two causes differ by one effect for which the other, or none, is declared to come close."""
+    mine, theirs = set(effects) - set(others) or {"none"}, set(others) - set(effects) or {"none"}
     if len(mine) != 1 or len(theirs) != 1:
         return False
-    (one,), (other,) = mine, theirs
-    return other in effect_of_key(one).aliases or one in effect_of_key(other).aliases
+    return are_aliases(mine.pop(), theirs.pop())

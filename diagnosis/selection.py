@@ -11,7 +11,7 @@ from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
 
 GENEROUS = 4.0
@@ -46,6 +46,9 @@ BEST_ALONE = 3
 
 REVERSED = 4
 """Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
+
+ALIAS_ROUNDS = 2
+"""Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
 
 LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
@@ -105,6 +108,8 @@ def try_together(
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
+        for _ in range(ALIAS_ROUNDS if size == 2 else 0):
+            tried += try_all(exchanged(tried, single), holdout, pool, progress, what)
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -146,6 +151,24 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
         for first, second in pairs
         if (second, first) not in known and not effect_of_key(first).is_jagged
     ]
+
+
+def exchanged(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
+    """Return the best causes of two effects with each exchanged for its aliases.
+
+    One that promises most on the leader's residual may only stand in for another that needs the leader's values moved.
+    """
+    best = [each.effects for each in best_of(tried, 2)[:LEADERS]]
+    alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
+    known = {frozenset(each.effects) for each in tried}
+    work: list[Work] = []
+    for kept, left in [*best, *(effects[::-1] for effects in best)]:
+        for other in single:
+            cause = frozenset((kept, other))
+            if are_aliases(left, other) and kept != other and cause not in known and not effect_of_key(other).is_jagged:
+                known.add(cause)
+                work.append(Work(alone[kept], (kept, other), False, single[other]))
+    return work
 
 
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:

@@ -26,6 +26,12 @@ def effect_of_key(key: str) -> Effect:
     return _BY_KEY[key]
 
 
+def are_aliases(key: str, other: str) -> bool:
+    """Return whether one of two effects states the other, which may be `none`, as its alias."""
+    pairs = ((key, other), (other, key))
+    return any(one != "none" and its in effect_of_key(one).aliases for one, its in pairs)
+
+
 def parse_effect(text: str) -> tuple[str, dict[str, float]]:
     """Read `KEY` or `KEY:name=value,name=value` as the command line has it, values in SI units or with a unit.
 

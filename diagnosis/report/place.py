@@ -41,6 +41,8 @@ def where_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     elif likely:
         names = [f"the {each.name} ({each.probability_text})" for each in likely]
         sentences.append(f"Most likely in {listed(names, 'or')}.")
+        if diagnosis["verdict"] == "unknown":
+            sentences.append("That is judged by which effects come nearest to it.")
     elif where.get("stage"):
         stage = where["stage"]
         sentences.append(f"In the {stage} ({STAGE_PARTS.get(stage, stage)}).")
@@ -55,6 +57,11 @@ def where_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
         if rivals - own and (len(likely) < 2 or len(own) > 1):
             elsewhere = listed([f"the {stage}" for stage in STAGES if stage in rivals - own], "or")
             sentences.append(f"An effect that looks the same here would lie in {elsewhere}.")
+    untried = [
+        f"{DECLARED[key].title} (in the {DECLARED[key].stage})" for key in diagnosis.get("untried_aliases") or ()
+    ]
+    if untried:
+        sentences.append(f"Not among the candidates, but alike in such a record: {listed(untried, 'or')}.")
     worst = max(where.get("regimes") or (), key=_beyond_its_time, default=None)
     if worst and diagnosis["verdict"] != "none" and _beyond_its_time(worst) > CONCENTRATED:
         words = worst.get("where") or worst.get("name")

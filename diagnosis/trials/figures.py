@@ -10,7 +10,8 @@ import numpy as np
 from diagnosis.report.figures import BASE, CAUSE, MEASURED, NOISE
 from diagnosis.report.naming import effect_title
 from diagnosis.report.svg import INK, picture, readable_on
-from diagnosis.trials.marking import OUTCOMES, are_near
+from diagnosis.trials.marking import OUTCOMES
+from valvemodel.effects import are_aliases
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -173,7 +174,7 @@ _NO_EFFECTS = ("none", "several", "unknown", "failed")
 def _is_right(kind: str, there: str, said: str) -> bool:
     if kind != "left-out":
         return there == said
-    return said == "unknown" or (said not in _NO_EFFECTS[1:] and are_near(there, said))
+    return said == "unknown" or (said not in _NO_EFFECTS[1:] and are_aliases(there, said))
 
 
 def _label(key: str) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 
 MOST_DECLARED = 3
 """Causes, the first choice among them, up to which a set declared indistinguishable counts as an answer."""
@@ -75,10 +75,12 @@ def mark(kind: str, truth: Effects, diagnosis: Mapping[str, Any]) -> Mark:
     else:
         outcome = outcome_of(truth, verdict, named, declared)
         is_true = any(set(truth) == set(each) for each in family)
+    where = diagnosis["where"]
+    left_open = where.get("open_stages", ()) if verdict == "unknown" else stages_of(declared)
     return Mark(
         outcome=outcome,
         is_right=outcome in ("right", "alias") or (kind == "left-out" and outcome == "unknown"),
-        is_stage_right=is_stage_right(truth, declared, diagnosis["where"]["stage"]) if truth else None,
+        is_stage_right=is_stage_right(truth, where["stage"], left_open) if truth else None,
         said=said,
         is_true=is_true,
         named=named if verdict == "effect" else (),
@@ -118,20 +120,19 @@ def outcome_left_out(truth: str, verdict: str, named: Effects, said: float) -> s
     """Return what came out where the truth was taken out of the candidates."""
     if verdict == "unknown":
         return "unknown"
-    if all(are_near(truth, key) for key in named or ("none",)):
+    if all(are_aliases(truth, key) for key in named or ("none",)):
         return "alias"
     if verdict == "none":
         return "none"
     return "wrong" if said >= CONFIDENT else "unsure"
 
 
-def are_near(key: str, other: str) -> bool:
-    """Return whether one of two effects states the other, which may be `none`, as its alias."""
-    return other in effect_of_key(key).aliases or (other != "none" and key in effect_of_key(other).aliases)
+def is_stage_right(truth: Effects, first: str | None, left_open: Collection[str]) -> bool:
+    """Return whether the stage said first, or one of at most two that are left open, is a stage of the truth."""
+    true = stages_of([truth])
+    return first in true or (len(left_open) <= MOST_STAGES and bool(true & set(left_open)))
 
 
-def is_stage_right(truth: Effects, declared: Sequence[Effects], stage: str | None) -> bool:
-    """Return whether the stage said, or one of at most two in the declared set, is a stage of the truth."""
-    true = {effect_of_key(key).stage for key in truth}
-    said = {effect_of_key(key).stage for each in declared for key in each}
-    return stage in true or (len(said) <= MOST_STAGES and bool(true & said))
+def stages_of(causes: Sequence[Effects]) -> set[str]:
+    """Return the stages of causes."""
+    return {effect_of_key(key).stage for effects in causes for key in effects}

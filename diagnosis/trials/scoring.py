@@ -10,7 +10,7 @@ import numpy as np
 
 from diagnosis.trials.answering import read_answer
 from diagnosis.trials.closure import IMITATED, closure_on_unseen
-from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of
+from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of, stages_of
 from diagnosis.trials.plan import Task
 from diagnosis.trials.sealing import Places, open_truth
 
@@ -115,6 +115,6 @@ def baseline_mark(task: Task, said: dict[str, Any] | None) -> dict[str, Any] | N
         "effects": named,
         "outcome": outcome,
         "is_right": outcome in ("right", "alias"),
-        "is_stage_right": is_stage_right(task.effects, [named], None) if task.effects else None,
+        "is_stage_right": is_stage_right(task.effects, None, stages_of([named])) if task.effects else None,
         "seconds": said["seconds"],
     }

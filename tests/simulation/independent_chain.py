@@ -40,12 +40,13 @@ class IndependentChain:
 
     def saturated(self, current):
         """Normal magnetisation curve."""
-        width, knee = self.saturation_rounding, self.saturation_knee
+        width, knee, reach = self.saturation_rounding, self.saturation_knee, self.saturation_reach
 
-        def ramp(x):
-            return 0.5 * (x - knee + np.sqrt((x - knee) ** 2 + width**2))
+        def lost(x):
+            ramp = 0.5 * (x - knee + np.sqrt((x - knee) ** 2 + width**2))
+            return ramp - reach * ramp / (reach + ramp)
 
-        return current - (1.0 - self.saturation_slope) * (ramp(current) - ramp(0.0))
+        return current - (1.0 - self.saturation_slope) * (lost(current) - lost(0.0))
 
     def loop_rate(self, loop, change):
         """dz of Coleman and Hodgdon by a change of the saturated current."""

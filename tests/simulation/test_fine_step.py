@@ -221,10 +221,14 @@ def test_static_maps_against_their_formulas():
         return 0.5 * (x - knee + np.sqrt((x - knee) ** 2 + width**2))
 
     bent = current - (1.0 - slope) * (ramp(current) - ramp(0.0))
-    model = BASE.with_effect(
-        "magnetic_saturation", saturation_slope=slope, saturation_knee=knee, saturation_rounding=width
-    )
+    numbers = {"saturation_slope": slope, "saturation_knee": knee, "saturation_rounding": width}
+    model = BASE.with_effect("magnetic_saturation", **numbers)
     assert np.abs(run(model, time, current) - run(BASE, time, bent)).max() < 1e-12
+    # Froehlich's hyperbola above the knee: x/(1 + x/b).
+    left = ramp(current) / (1.0 + ramp(current) / 8e-3) - ramp(current)
+    left -= ramp(0.0) / (1.0 + ramp(0.0) / 8e-3) - ramp(0.0)
+    model = BASE.with_effect("magnetic_saturation", **numbers | {"saturation_slope": 0.0, "saturation_reach": 8e-3})
+    assert np.abs(run(model, time, current) - run(BASE, time, current + left)).max() < 1e-12
     values = BASE.values
     gap = values["gap_offset"] - values["gap_gain"] * np.sqrt(current)
     pressure = values["supply_pressure"] / (1.0 + values["flow_ratio"] * gap**2)

@@ -445,7 +445,7 @@ def current_threshold(slope, rising_intercept, falling_intercept):
     return (falling_intercept - rising_intercept) / slope
 
 
-def saturated_current_by_current(current, saturation_slope, saturation_knee, saturation_rounding):
+def saturated_current_by_current(current, saturation_slope, saturation_knee, saturation_rounding, saturation_reach):
     """Slope of the current that the flux stands for.
 
     Effect magnetic_saturation, differentiated. Returns [1].
@@ -454,9 +454,13 @@ def saturated_current_by_current(current, saturation_slope, saturation_knee, sat
     saturation_slope : slope above the knee over slope below. [1]
     saturation_knee : current at the knee. [A]
     saturation_rounding : width of the knee. [A]
+    saturation_reach : way above the knee over which the gain falls. [A]
     """
     above_knee = current - saturation_knee
-    return 1 - (1 - saturation_slope) * (above_knee / ca.sqrt(above_knee**2 + saturation_rounding**2) + 1) / 2
+    ramp = above_knee / 2 + ca.sqrt(above_knee**2 + saturation_rounding**2) / 2
+    ramp_slope = above_knee / (2 * ca.sqrt(above_knee**2 + saturation_rounding**2)) + 1 / 2
+    loss_slope = ramp * (2 * saturation_reach + ramp) / (saturation_reach + ramp) ** 2
+    return 1 - loss_slope * ramp_slope * (1 - saturation_slope)
 
 
 def chamber_rate(pressure, gap, supply_pressure, flow_ratio, chamber_filling_time, filling_growth):

@@ -78,16 +78,17 @@ class Electromagnet:
 
 
 def saturated(n: SimpleNamespace, current: float) -> float:
-    """Return the current, bent above the knee: i - (1 - r) ramp(i - i_k), a ramp that is 0 at no current. [A]"""
+    """Return the current, bent above the knee: i - (1 - r) a^2/(a + b), but for a constant: 0 at no current. [A]"""
     if n.saturation_slope == 1.0:
         return current
-    return current - (1.0 - n.saturation_slope) * (ramp(n, current) - ramp(n, 0.0))
+    return current - (1.0 - n.saturation_slope) * (lost(n, current) - lost(n, 0.0))
 
 
-def ramp(n: SimpleNamespace, current: float) -> float:
-    """Return how far a current is above the knee, 0 below it, with a rounded corner. [A]"""
+def lost(n: SimpleNamespace, current: float) -> float:
+    """Return a^2/(a + b), of the way a above the knee, which is 0 below it, with a rounded corner. [A]"""
     above = current - n.saturation_knee
-    return 0.5 * (above + sqrt(above**2 + n.saturation_rounding**2))
+    ramp = 0.5 * (above + sqrt(above**2 + n.saturation_rounding**2))
+    return ramp**2 / (ramp + n.saturation_reach)
 
 
 def gap(n: SimpleNamespace, current: float, time: float) -> float:

@@ -59,11 +59,15 @@ def advance_flux(p: Any, x: Any, current: Expression, duration: Expression) -> E
 
 def saturate(p: Any, current: Expression) -> Expression:
     """Bend the current above the knee. [A]"""
-    above, below = current - p.saturation_knee, -p.saturation_knee
+    lost = lost_above_knee(p, current - p.saturation_knee) - lost_above_knee(p, -p.saturation_knee)
+    return current - (1.0 - p.saturation_slope) * lost
+
+
+def lost_above_knee(p: Any, above: Expression) -> Expression:
+    """Return how much of the current the core would lose with no slope above its knee. [A]"""
     width = p.saturation_rounding
     ramp = 0.5 * (above + ca.sqrt(above * above + width * width))
-    ramp -= 0.5 * (below + ca.sqrt(below * below + width * width))
-    return current - (1.0 - p.saturation_slope) * ramp
+    return ramp * (ramp / (ramp + p.saturation_reach))
 
 
 def magnetise(p: Any, x: Any, current: Expression) -> Expression:

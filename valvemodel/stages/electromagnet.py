@@ -67,12 +67,27 @@ EFFECTS = (
         stage="electromagnet",
         title="magnetic saturation",
         meaning="the gain from current to flux falls above a knee",
-        equation=r"i_e = i - (1 - r)\,\mathrm{ramp}_w(i - i_k)",
-        source="normal magnetisation curve of soft iron, two straight parts with a rounded knee",
+        equation=r"i_e = i - (1 - r)\,a^2/(a + b),\quad a = \mathrm{ramp}_w(i - i_k)",
+        source=(
+            "normal magnetisation curve of soft iron: two straight parts with a rounded knee (b = 0), or above the "
+            "knee Froehlich's hyperbola (r = 0), Elektrotechnische Zeitschrift 2 (1881); Kennelly (1891)"
+        ),
         parameters=(
-            Parameter("saturation_slope", "1", "slope above the knee over slope below", 0.0, 1.0, 1.0, (0.7,)),
+            Parameter(
+                "saturation_slope",
+                "1",
+                "slope above the knee over slope below",
+                0.0,
+                1.0,
+                1.0,
+                (0.7, 0.0),
+                is_fitted=False,
+            ),
             Parameter("saturation_knee", "A", "current at the knee", 4e-3, 20e-3, 14e-3, (12e-3, 16e-3)),
             Parameter("saturation_rounding", "A", "width of the knee", 1e-4, 6e-3, 1e-3, (1e-3,)),
+            Parameter(
+                "saturation_reach", "A", "way above the knee over which the gain falls", 0.0, 0.5, 0.0, (0.0, 50e-3)
+            ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation"),
         told_apart_by="a measured pressure shows it upstream of the stem",
@@ -123,12 +138,16 @@ def saturate(p, current):
     """Bend the current above the knee; the identity while the slope is 1."""
     if p.saturation_slope == 1.0:
         return current
+    lost = lost_above_knee(p, current - p.saturation_knee) - lost_above_knee(p, -p.saturation_knee)
+    return current - (1.0 - p.saturation_slope) * lost
+
+
+@inlined
+def lost_above_knee(p, above):
+    """Return how much of the current the core would lose with no slope above its knee. [A]"""
     width = p.saturation_rounding
-    above = current - p.saturation_knee
-    below = -p.saturation_knee
     ramp = 0.5 * (above + math.sqrt(above * above + width * width))
-    ramp -= 0.5 * (below + math.sqrt(below * below + width * width))
-    return current - (1.0 - p.saturation_slope) * ramp
+    return ramp * (ramp / (ramp + p.saturation_reach))
 
 
 @inlined

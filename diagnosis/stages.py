@@ -1,0 +1,69 @@
+"""Stages: how probable it is that the gap lies in each, and which ones a record leaves open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from diagnosis.judgement import Judgement
+from diagnosis.trying import Candidate
+from valvemodel.declarations import STAGES
+from valvemodel.effects import effect_of_key
+
+ALIKE = 0.6
+"""What an effect hints at the stage of the one nearest to it elsewhere, over what it hints at its own."""
+
+MOST_OPEN = 2
+"""Stages that an unknown cause is said to lie in."""
+
+
+def stage_probabilities(candidates: Sequence[Candidate], judgement: Judgement) -> dict[str, float]:
+    """Return the probability that the gap lies in each stage; the rest to 1 is that of no effect.
+
+    A cause of several stages counts in each by its share, an unknown cause by what resembles it.
+    """
+    hints = resemblance(candidates)
+    shares = {stage: judgement.unknown * hint for stage, hint in hints.items()}
+    for candidate, probability in zip(candidates, judgement.probabilities, strict=True):
+        for key in candidate.effects:
+            shares[effect_of_key(key).stage] += float(probability) / len(candidate.effects)
+    return shares
+
+
+def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
+    """Return how much the gap resembles the effects of each stage, as shares of 1.
+
+    An effect alone hints at its stage by the logarithm of how far it brings the error down, and less at the stage of
+    the effect that looks most like it elsewhere: it may be a stand-in.
+    """
+    hints = dict.fromkeys(STAGES, 0.0)
+    base = candidates[0].score.misfit
+    for candidate in candidates:
+        if len(candidate.effects) != 1:
+            continue
+        effect = effect_of_key(candidate.effects[0])
+        hint = max(math.log(base / max(candidate.score.misfit, 1.0)), 0.0)
+        hints[effect.stage] += hint
+        elsewhere = (effect_of_key(key).stage for key in effect.aliases if key != "none")
+        nearest = next((stage for stage in elsewhere if stage != effect.stage), effect.stage)
+        hints[nearest] += ALIKE * hint
+    total = sum(hints.values())
+    return {stage: hint / total if total > 0.0 else 1.0 / len(hints) for stage, hint in hints.items()}
+
+
+def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return the stages in which the cause may lie as far as the record tells, the most probable first.
+
+    Parameters
+    ----------
+    verdict : str
+    probabilities : dict
+        Of the stages.
+    causes : sequence of tuple of str
+        The cause that is named, and those that it cannot be told from.
+    """
+    order = sorted(probabilities, key=lambda stage: -probabilities[stage])
+    if verdict == "unknown":
+        return order[:MOST_OPEN]
+    own = {effect_of_key(key).stage for effects in causes for key in effects}
+    return [stage for stage in order if verdict == "effect" and stage in own]

@@ -1,0 +1,40 @@
+"""The stage of an unknown cause is judged by what resembles it, stand-ins included."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from diagnosis.judgement import Judgement
+from diagnosis.stages import open_stages, resemblance, stage_probabilities
+from diagnosis.trying import Candidate
+
+
+def candidate(misfit: float, *effects: str) -> Candidate:
+    return Candidate(effects, None, SimpleNamespace(misfit=misfit))
+
+
+def test_what_brings_the_error_down_hints_at_its_stage_and_less_at_its_aliases():
+    tried = [candidate(50.0), candidate(5.0, "load_force"), candidate(49.0, "choked_flow")]
+    hints = resemblance(tried)
+    assert sum(hints.values()) == pytest.approx(1.0)
+    # The alias that comes nearest to a load force elsewhere is a drift of the gap.
+    assert sorted(hints, key=lambda stage: -hints[stage])[:2] == ["stem", "electromagnet"]
+
+
+def test_nothing_that_helps_leaves_all_stages_alike():
+    assert set(resemblance([candidate(50.0), candidate(60.0, "load_force")]).values()) == {0.25}
+
+
+def test_probabilities_of_the_stages_and_of_no_effect_sum_to_one():
+    tried = [candidate(9.0), candidate(2.0, "coil_lag"), candidate(1.5, "coil_lag", "end_stop")]
+    shares = stage_probabilities(tried, Judgement(np.array([0.1, 0.3, 0.4]), 0.2, np.zeros(3)))
+    assert sum(shares.values()) == pytest.approx(0.9)
+    assert shares["electromagnet"] > 0.5 > shares["stem"] >= 0.2
+
+
+def test_stages_left_open():
+    shares = {"electromagnet": 0.3, "nozzle": 0.1, "stem": 0.5, "sensor": 0.1}
+    assert open_stages("unknown", shares, [("load_force",)]) == ["stem", "electromagnet"]
+    assert open_stages("effect", shares, [("coil_lag",), ("sensor_lag",)]) == ["electromagnet", "sensor"]
+    assert open_stages("none", shares, [(), ("linkage_backlash",)]) == []
