@@ -12,7 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.search import Found, descend, errors, roam
-from identification.stick_slip import SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
+from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -83,9 +83,20 @@ def extend(
     """
     effect = effect_of_key(key)
     begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
-    if begun:
-        problem, best = search_near(begun)
-        return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    if not begun:
+        return extended(fit, effect, known, kin, is_global=is_global)
+    problem, best = search_near(begun)
+    stepped = finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
+        return stepped
+    # Breakaways of another law lie on no line.
+    return min(stepped, extended(fit, effect, known, kin), key=lambda each: each.found.error)
+
+
+def extended(
+    fit: Fit, effect: Effect, known: dict[str, float] | None, kin: Fit | None, *, is_global: bool = True
+) -> Fit:
+    """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
