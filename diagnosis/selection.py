@@ -24,7 +24,7 @@ LEADERS = 2
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
-SHORTLIST_CHAOTIC = 2
+SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
 
 MOST_EFFECTS = 3
@@ -135,10 +135,10 @@ def extensions(
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
-        is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
+        takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
         certain = list(dict.fromkeys([*stopping, *(key for key in (*alone, *plain) if key not in leader.effects)]))
-        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
+        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_SLOW) if takes_long else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
@@ -175,9 +175,15 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
                 key = other.effects[0]
                 cause = frozenset((key, kept))
                 is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
-                if are_aliases(left, key) and key != kept and is_behind and not effect_of_key(key).is_jagged:
+                if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
                     work.setdefault(cause, Work(other.fit, (key, kept), False, values))
     return list(work.values())
+
+
+def is_quick(key: str) -> bool:
+    """Return whether a search for an effect beside another takes no global search and no long runs."""
+    effect = effect_of_key(key)
+    return not effect.is_jagged and not effect.takes_long
 
 
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
@@ -244,8 +250,11 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
 
 
 def shortlist(fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int) -> list[str]:
-    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case."""
-    keys = [key for key in single if key not in fit.model.effects]
+    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case.
+
+    One whose runs take long beside another must be called for.
+    """
+    keys = [key for key in single if key not in fit.model.effects and not effect_of_key(key).takes_long]
     gains = {
         key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
     }

@@ -227,6 +227,7 @@ EFFECTS = (
                 (0.0, 1.0),
             ),
         ),
+        takes_long=True,
         aliases=("linkage_backlash", "magnetic_hysteresis"),
         told_apart_by="small reversals, smaller than the dead band",
     ),
