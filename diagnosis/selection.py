@@ -51,6 +51,9 @@ REVERSED = 4
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
 
+AT_NOISE = 1.05
+"""Mean weighted square up to which nothing else can come nearer."""
+
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
 
@@ -168,7 +171,7 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     """
     known = {frozenset(each.effects): misfit(each) for each in tried}
     work: dict[frozenset[str], Work] = {}
-    for best in best_of(tried, 2)[:LEADERS]:
+    for best in (each for each in best_of(tried, 2)[:LEADERS] if misfit(each) > AT_NOISE):
         for kept, left in (best.effects, best.effects[::-1]):
             values = dict(best.fit.model.effects[kept])
             for other in best_of(tried, 1):
@@ -176,7 +179,7 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
                 cause = frozenset((key, kept))
                 is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
                 if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
-                    work.setdefault(cause, Work(other.fit, (key, kept), False, values))
+                    work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
 
 

@@ -112,6 +112,14 @@ def extended(
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
+@threadpool_limits.wrap(limits=1)
+def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
+    """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
+    effect = effect_of_key(key)
+    problem, best = followed(fit, [Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)])
+    return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
 def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearch]:
     """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
 
