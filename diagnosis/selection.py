@@ -24,7 +24,7 @@ LEADERS = 2
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
-SHORTLIST_CHAOTIC = 2
+SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
 
 MOST_EFFECTS = 3
@@ -50,6 +50,9 @@ REVERSED = 4
 
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
+
+AT_NOISE = 1.05
+"""Mean weighted square up to which nothing else can come nearer."""
 
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
@@ -130,13 +133,15 @@ def extensions(
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
     alone = [each.effects[0] for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])][:BEST_ALONE]
+    # What has no numbers to fit costs one run, and a promise by slopes says little of it.
+    plain = [key for key in single if not effect_of_key(key).fitted]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
-        is_chaotic = any(effect_of_key(key).is_chaotic for key in leader.effects)
+        takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
-        certain = list(dict.fromkeys([*stopping, *(key for key in alone if key not in leader.effects)]))
-        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_CHAOTIC) if is_chaotic else count):
+        certain = list(dict.fromkeys([*stopping, *(key for key in (*alone, *plain) if key not in leader.effects)]))
+        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_SLOW) if takes_long else count):
             effects = (*leader.effects, key)
             if frozenset(effects) not in known:
                 known.add(frozenset(effects))
@@ -166,16 +171,22 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     """
     known = {frozenset(each.effects): misfit(each) for each in tried}
     work: dict[frozenset[str], Work] = {}
-    for best in best_of(tried, 2)[:LEADERS]:
+    for best in (each for each in best_of(tried, 2)[:LEADERS] if misfit(each) > AT_NOISE):
         for kept, left in (best.effects, best.effects[::-1]):
             values = dict(best.fit.model.effects[kept])
             for other in best_of(tried, 1):
                 key = other.effects[0]
                 cause = frozenset((key, kept))
                 is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
-                if are_aliases(left, key) and key != kept and is_behind and not effect_of_key(key).is_jagged:
-                    work.setdefault(cause, Work(other.fit, (key, kept), False, values))
+                if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
+                    work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
+
+
+def is_quick(key: str) -> bool:
+    """Return whether a search for an effect beside another takes no global search and no long runs."""
+    effect = effect_of_key(key)
+    return not effect.is_jagged and not effect.takes_long
 
 
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
@@ -242,8 +253,11 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
 
 
 def shortlist(fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int) -> list[str]:
-    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case."""
-    keys = [key for key in single if key not in fit.model.effects]
+    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case.
+
+    One whose runs take long beside another must be called for.
+    """
+    keys = [key for key in single if key not in fit.model.effects and not effect_of_key(key).takes_long]
     gains = {
         key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
     }

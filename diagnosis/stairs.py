@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from identification.experiment import Experiment
-from identification.extension import extend
+from identification.extension import extend, slips_by
 from identification.fit import Fit
 from identification.staircase import stops_on_the_way
+from identification.stick_slip import REACH
 from valvemodel.stages import EFFECTS
 
 FEW_STOPS = 3
@@ -16,9 +17,6 @@ FEW_STOPS = 3
 
 STEPPED = 0.5
 """Share of the base's error below which an effect that makes stairs must come, or there are none: a lag rests too."""
-
-REACH = 4.0
-"""Error beyond which a sample of such a record counts by the logarithm: a slip is many times as high. [noise]"""
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
@@ -38,5 +36,7 @@ def makes_stairs(base: Fit) -> bool:
 
     A reading in coarse steps does not count: no slip comes early in it.
     """
-    keys = [each.key for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
-    return any(extend(base, key).found.error < STEPPED * base.found.error for key in keys)
+    makers = [each for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
+    return any(
+        bool(slips_by(base, each)) or extend(base, each.key).found.error < STEPPED * base.found.error for each in makers
+    )

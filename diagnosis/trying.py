@@ -13,7 +13,7 @@ from multiprocessing import get_context
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import extend
+from identification.extension import extend, extend_from
 from identification.fit import Fit
 from identification.holdout import Holdout
 from valvemodel.effects import effect_of_key
@@ -59,6 +59,8 @@ class Work:
         Whether the last effect is searched for globally, which takes seconds where the error has many minima.
     known : dict or None
         Values of it from another fit, one more start. [SI]
+    is_known : bool
+        Whether those values are the only start.
     kin : Fit or None
         The fit extended by a kindred effect.
     """
@@ -68,6 +70,7 @@ class Work:
     is_global: bool
     known: dict[str, float] | None = None
     kin: Fit | None = None
+    is_known: bool = False
 
 
 @contextmanager
@@ -91,7 +94,11 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        extended = extend(work.fit, work.effects[-1], work.known, kin=work.kin, is_global=work.is_global)
+        key = work.effects[-1]
+        if work.is_known and work.known is not None:
+            extended = extend_from(work.fit, key, work.known)
+        else:
+            extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global)
         freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
         return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 

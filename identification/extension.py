@@ -12,6 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.search import Found, descend, errors, roam
+from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -50,6 +51,10 @@ WORTH_FOLLOWING = 0.3
 """Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
 
 
+EXPLAINED = 0.8
+"""Share of a fit's error at the slips below which an effect must come for the search to go on from there."""
+
+
 @threadpool_limits.wrap(limits=1)
 def extend(
     fit: Fit, key: str, known: dict[str, float] | None = None, *, kin: Fit | None = None, is_global: bool = True
@@ -77,6 +82,21 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
+    begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+    if not begun:
+        return extended(fit, effect, known, kin, is_global=is_global)
+    problem, best = search_near(begun)
+    stepped = finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
+        return stepped
+    # Breakaways of another law lie on no line.
+    return min(stepped, extended(fit, effect, known, kin), key=lambda each: each.found.error)
+
+
+def extended(
+    fit: Fit, effect: Effect, known: dict[str, float] | None, kin: Fit | None, *, is_global: bool = True
+) -> Fit:
+    """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
@@ -90,6 +110,42 @@ def extend(
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+@threadpool_limits.wrap(limits=1)
+def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
+    """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
+    effect = effect_of_key(key)
+    problem, best = followed(fit, [Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)])
+    return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+
+
+def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearch]:
+    """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
+
+    Returns
+    -------
+    list of SlipSearch
+        Empty where there are no stairs, or where the slips are not explained much better than without the effect, or
+        than by its kin.
+    """
+    line = line_of_stairs(fit.problem, fit.found.point)
+    if line is None:
+        return []
+    begun = search_slips(effect, line, forms_of(fit, effect))
+    rivals = [each for each in (fit, kin) if each is not None]
+    least = min(error_at_rests(each.problem, each.found.point) for each in rivals)
+    return begun if begun[0].found.error < EXPLAINED * least else []
+
+
+def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
+    """Return the problem with an effect in each of its forms, and the scaled points where searches for it begin."""
+    forms: dict[tuple[float, ...], list[tuple[Problem, np.ndarray]]] = {}
+    held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
+    for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+        pair = joined(fit.problem, fit.found.point, effect, start)
+        forms.setdefault(tuple(start[name] for name in held), []).append(pair)
+    return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
 def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -88,37 +89,64 @@ def roam(
     enough: float = 0.0,
     seed: int = 0,
 ) -> Found:
-    """Search globally over scaled points origin + shape u with u in a box (differential evolution, scipy).
-
-    Trials take most numbers from the mutant of the best point: the valleys of k, F_c, c0, E run across the axes.
+    """Search globally over scaled points origin + shape u with u in a box.
 
     Parameters
     ----------
     problem : Problem
     origin : array, shape (unknowns,)
     shape : array, shape (unknowns, unknowns)
-    box : list of (low, high), one for each component of u
+    box, size, generations, enough, seed
+        As of `roam_through`.
+    """
+    low, high = problem.bounds
+
+    def points_of(moves: np.ndarray) -> np.ndarray:
+        return np.clip(origin + moves @ shape.T, low, high)
+
+    return roam_through(problem, points_of, box, size=size, generations=generations, enough=enough, seed=seed)
+
+
+def roam_through(
+    problem: Problem,
+    points_of: Callable[[np.ndarray], np.ndarray],
+    box: list[tuple[float, float]],
+    *,
+    size: int,
+    generations: int,
+    enough: float = 0.0,
+    seed: int = 0,
+    start: np.ndarray | None = None,
+) -> Found:
+    """Search globally over the scaled points that belong to u in a box (differential evolution, scipy).
+
+    Trials take most numbers from the mutant of the best point: the valleys of k, F_c, c0, E run across the axes.
+
+    Parameters
+    ----------
+    problem : Problem
+    points_of : callable
+        Scaled points, shape (p, unknowns), of u, shape (p, m).
+    box : list of (low, high)
+        One for each component of u, m in all.
     size : int
-        Points of a generation for each unknown.
+        Points of a generation for each component of u.
     generations : int
     enough : float
         Error at which the search ends early.
     seed : int
         The search is deterministic for a seed.
+    start : array, shape (m,), or None
+        A u that is among the first points.
     """
     from scipy.optimize import differential_evolution
-
-    low, high = problem.bounds
-
-    def points_of(u: np.ndarray) -> np.ndarray:
-        return np.clip(origin + np.atleast_2d(u.T) @ shape.T, low, high)
 
     def end_early(intermediate_result: OptimizeResult) -> None:
         if intermediate_result.fun <= enough:
             raise StopIteration
 
     result = differential_evolution(
-        lambda u: errors(problem, points_of(u)),
+        lambda u: errors(problem, points_of(np.atleast_2d(u.T))),
         box,
         popsize=size,
         maxiter=generations,
@@ -131,8 +159,9 @@ def roam(
         updating="deferred",
         init="sobol",
         rng=np.random.default_rng(seed),
+        x0=start,
     )
-    return Found(points_of(result.x)[0], float(result.fun))
+    return Found(points_of(result.x[None, :])[0], float(result.fun))
 
 
 def settle(problem: Problem, found: Found) -> Found:

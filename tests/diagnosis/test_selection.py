@@ -28,7 +28,7 @@ def test_effects_of_the_best_pair_are_exchanged_for_their_aliases():
     # The alias is fitted alone; what stays comes on top of it, with its numbers in the pair.
     assert all(each.fit.name == each.effects[0] for each in work)
     assert causes[frozenset(("choked_flow", "sensor_lag"))].effects == ("choked_flow", "sensor_lag")
-    assert all(each.known == {"size": 2.0} for each in work)
+    assert all(each.known == {"size": 2.0} and each.is_known for each in work)
 
 
 @pytest.mark.parametrize(("behind", "count"), [(2.9, 0), (3.1, 1)])

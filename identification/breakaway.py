@@ -1,0 +1,193 @@
+"""Breakaways: where rests of the stem end, and the line of spring, gap and breakaway force through them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from identification.experiment import simulate_rows
+from identification.problem import DIFFERENCE, Problem
+from identification.rests import Rest, rests_of
+
+RAMPED = 0.02
+"""Change of the pressure within a period, over its range, below which the force at breakaway is known."""
+
+GRAIN = 0.14
+"""Noise of a rest's mean that is not averaged out: the step of the display, a bend of the stem. [noise]"""
+
+FAR = 3.0
+"""Error beyond which a breakaway counts less: one that is none. [noise]"""
+
+TO_THE_MIDDLE = 0.02
+"""Weight of the middle between the pressures that enclose a breakaway: where all is enclosed, it decides."""
+
+LINE = ("spring_rate", "coulomb_friction", "gap_offset", "gap_gain")
+"""Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
+
+
+@dataclass(frozen=True)
+class Breakaways:
+    """The ends of all rests of a problem's experiments that count.
+
+    Attributes
+    ----------
+    rests : list of lists of Rest
+        One list for each experiment.
+    problem : Problem
+        Gives the pressures: those of the base valve and of what acts before the stem.
+    """
+
+    problem: Problem
+    rests: Sequence[Sequence[Rest]]
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        """Mean readings of the rests. [m]"""
+        return np.array([rest.position for rests in self.rests for rest in rests])
+
+    @cached_property
+    def side(self) -> np.ndarray:
+        """Sides to which the stem leaves, -1 or 1."""
+        return np.array([rest.side for rests in self.rests for rest in rests])
+
+    @cached_property
+    def spread(self) -> np.ndarray:
+        """Standard deviations of the positions. [m]"""
+        pairs = zip(self.problem.experiments, self.rests, strict=True)
+        counts = [(each.noise, rest.last + 1 - rest.first) for each, rests in pairs for rest in rests]
+        return np.array([noise * np.sqrt(1.0 / count + GRAIN**2) for noise, count in counts])
+
+    def pressures(self, points: np.ndarray) -> np.ndarray:
+        """Return the pressures before and at the end of the period of each breakaway, shape (2, p, breakaways). [Pa]"""
+        found = []
+        for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
+            rows = self.problem.rows(points, number)
+            run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
+            last = np.array([rest.last for rest in rests], int)
+            found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
+        return np.concatenate(found, axis=2)
+
+    def positions(self, points: np.ndarray) -> np.ndarray:
+        """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]"""
+        rows = self.problem.rows(points, 0)
+        area, preload, stiffness, force = (
+            rows[name][:, None] for name in ("diaphragm_area", "spring_preload", "spring_rate", "coulomb_friction")
+        )
+        return (area * self.pressures(points) - preload - self.side * force) / stiffness
+
+    def enclosed(self, points: np.ndarray) -> np.ndarray:
+        """Return by how much each position lies outside what encloses it, shape (p, breakaways). [spread]"""
+        ends = self.positions(points)
+        below = np.minimum(self.position - ends.min(axis=0), 0.0)
+        above = np.maximum(self.position - ends.max(axis=0), 0.0)
+        return (below + above) / self.spread
+
+    def centred(self, points: np.ndarray) -> np.ndarray:
+        """Return by how much each position lies off the middle of what encloses it, shape (p, breakaways). [spread]"""
+        return (self.position - self.positions(points).mean(axis=0)) / self.spread
+
+    def is_ramped(self, point: np.ndarray) -> np.ndarray:
+        """Return of which breakaways the force is known well, the pressure changing little within a period."""
+        before, after = self.pressures(point[None, :])[:, 0]
+        span = max(float(np.ptp(np.concatenate([before, after]))), 1e-9)
+        return np.abs(after - before) < RAMPED * span
+
+    def slack(self, point: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Return how far some unknowns are open, one standard deviation in each column, shape (m, m).
+
+        A breakaway lies anywhere between the two pressures that enclose it.
+        """
+        is_ramped = self.is_ramped(point)
+        within = np.abs(np.diff(self.positions(point[None, :]), axis=0))[0, 0] / np.sqrt(12.0) + self.spread
+        slopes = slopes_of(self.centred, point, columns) * (self.spread / within)[:, None]
+        _, sizes, directions = np.linalg.svd(slopes[is_ramped], full_matrices=False)
+        return directions.T / np.maximum(sizes, 1e-9 * sizes[0])
+
+    def on_the_way(self, point: np.ndarray) -> int:
+        """Count the breakaways on ramps that follow one to the same side: the steps of stairs."""
+        is_again = np.concatenate([[False], self.side[1:] == self.side[:-1]])
+        return int((is_again & self.is_ramped(point)).sum())
+
+
+def breakaways_of(problem: Problem) -> Breakaways:
+    """Return the breakaways in the samples of a problem that count."""
+    rests = []
+    for experiment, used in zip(problem.experiments, problem.used, strict=True):
+        rests.append(list(rests_of(np.where(used, experiment.position, np.nan), experiment.noise)))
+    return Breakaways(problem, rests)
+
+
+@dataclass(frozen=True)
+class Line:
+    """The line through breakaways: a scaled point of the base valve, and what the line leaves open.
+
+    Attributes
+    ----------
+    point : array, shape (unknowns,)
+        Its Coulomb friction is the breakaway force.
+    columns : array of int, shape (m,)
+        The unknowns that the line determines.
+    slack : array, shape (m, m)
+        Changes of them by a standard deviation each, one in a column.
+    """
+
+    point: np.ndarray
+    columns: np.ndarray
+    slack: np.ndarray
+
+
+def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
+    """Lay the line of spring, gap and breakaway force through breakaways, from a scaled point on.
+
+    At breakaway S_1 P - k y is the breakaway force, under a pressure that two samples enclose. That needs no run of the
+    stem and has one minimum, however jagged the error of the stem's run is.
+    """
+    names = [unknown.name for unknown in breakaways.problem.unknowns]
+    columns = np.array([names.index(name) for name in LINE if name in names])
+    is_ramped = breakaways.is_ramped(point)
+
+    def middles(points: np.ndarray) -> np.ndarray:
+        return breakaways.centred(points)[:, is_ramped]
+
+    def all_of(points: np.ndarray) -> np.ndarray:
+        return np.concatenate([breakaways.enclosed(points), TO_THE_MIDDLE * middles(points)], axis=1)
+
+    begun = _laid(middles, breakaways.problem, point, columns)
+    found = _laid(all_of, breakaways.problem, begun, columns)
+    return Line(found, columns, breakaways.slack(found, columns))
+
+
+def _laid(
+    residuals: Callable[[np.ndarray], np.ndarray], problem: Problem, point: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    from scipy.optimize import least_squares
+
+    def moved(move: np.ndarray) -> np.ndarray:
+        there = point.copy()
+        there[columns] = move
+        return there
+
+    low, high = problem.bounds
+    result = least_squares(
+        lambda move: residuals(moved(move)[None, :])[0],
+        np.clip(point[columns], low[columns] + 1e-9, high[columns] - 1e-9),
+        jac=lambda move: slopes_of(residuals, moved(move), columns),
+        bounds=(low[columns], high[columns]),
+        loss="soft_l1",
+        f_scale=FAR,
+        x_scale="jac",
+        ftol=1e-6,
+        max_nfev=60,
+    )
+    return moved(result.x)
+
+
+def slopes_of(residuals: Callable[[np.ndarray], np.ndarray], point: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Return the derivatives of residuals by some unknowns, by differences, shape (r, m)."""
+    points = np.repeat(point[None, :], 1 + len(columns), axis=0)
+    points[1 + np.arange(len(columns)), columns] += DIFFERENCE
+    there = residuals(points)
+    return ((there[1:] - there[0]) / DIFFERENCE).T

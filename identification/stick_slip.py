@@ -1,0 +1,253 @@
+"""Stick-slip: a search for what makes the stem jump, from the breakaways to the slips and on to the whole run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from identification.breakaway import Line, breakaways_of, line_through
+from identification.problem import Problem
+from identification.rests import put_on_rests
+from identification.search import Found, errors, roam_through
+from identification.wide import AT_NOISE
+from valvemodel.declarations import Effect
+from valvemodel.effects import effect_of_key
+
+REACH = 4.0
+"""Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
+
+LEAST_STEPS = 8
+"""Breakaways on the way from which a record has stairs."""
+
+BEYOND = 0.5
+"""How far the search goes beyond the outermost starts of a logarithmic number, in powers of e."""
+
+DAMPING = 1.2
+"""Viscous friction is searched for within so many powers of e."""
+
+SIZE, GENERATIONS = 6, 15
+"""Points of the search for the slips for each number, and generations."""
+
+KINDRED = 0.5
+"""Share of the slips' box, either way, within which another form of the effect is searched."""
+
+KINDRED_SIZE, KINDRED_GENERATIONS = 5, 12
+"""Points of that search for each number, and generations."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of the search of all numbers: share of the slips' box either way, points for each number, generations.
+
+    Along the line through the breakaways it reaches a standard deviation either way.
+    """
+
+    share: float
+    size: int
+    generations: int
+
+
+AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
+
+CLOSE = 1.25
+"""Factor within which the error of another form must come at the slips for that form to be followed."""
+
+LAWFUL = 2.0
+"""Error of the re-anchored run from which another law acts, and the phase of a free run says little. [noise]"""
+
+
+@dataclass(frozen=True)
+class Slips:
+    """The numbers that set how far a slip goes, while the line through the breakaways stays or moves within its slack.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the effect's unknowns.
+    ratio : int
+        Unknown that is the breakaway force over Coulomb friction, of the effect.
+    friction : int
+        Unknown that is the Coulomb friction.
+    others : list of int
+        Unknowns of the effect beside the ratio, and the viscous friction.
+    line : Line
+    """
+
+    problem: Problem
+    ratio: int
+    friction: int
+    others: list[int]
+    line: Line
+
+    def points_of(self, centre: np.ndarray, moves: np.ndarray) -> np.ndarray:
+        """Return scaled points beside a centre, shape (p, unknowns).
+
+        Parameters
+        ----------
+        centre : array, shape (unknowns,)
+        moves : array, shape (p, m)
+            Change of the excess of the ratio over 1 in powers of e; of the others; along the slack of the line, if any.
+        """
+        points = np.repeat(centre[None, :], len(moves), axis=0)
+        count = 1 + len(self.others)
+        if moves.shape[1] > count:
+            points[:, self.line.columns] += moves[:, count:] @ self.line.slack.T
+        points[:, self.others] += moves[:, 1:count]
+        unknown = self.problem.unknowns[self.ratio]
+        ratio = unknown.value(centre[self.ratio])
+        changed = np.minimum(1.0 + (ratio - 1.0) * np.exp(moves[:, 0]), unknown.high)
+        points[:, self.ratio] = (changed - unknown.centre) / unknown.spread
+        # The breakaway force stays.
+        points[:, self.friction] -= np.log(changed / ratio)
+        return np.clip(points, *self.problem.bounds)
+
+
+def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
+    """Return the line through the breakaways of a fit; None where too few are steps of stairs, or it has no time."""
+    acts_later = any(effect_of_key(key).stage in ("stem", "sensor") for key in problem.model.effects)
+    if acts_later or any(experiment.is_loop for experiment in problem.experiments):
+        return None
+    breakaways = breakaways_of(problem)
+    if len(breakaways.position) == 0 or breakaways.on_the_way(point) < LEAST_STEPS:
+        return None
+    return line_through(breakaways, point)
+
+
+@dataclass(frozen=True)
+class SlipSearch:
+    """A search for an effect that makes the stem jump, after each slip was judged by itself.
+
+    Attributes
+    ----------
+    slips : Slips
+    box : list of (low, high)
+        Of the numbers of the slips.
+    found : Found
+    """
+
+    slips: Slips
+    box: list[tuple[float, float]]
+    found: Found
+
+
+def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.ndarray]]) -> list[SlipSearch]:
+    """Search for the numbers of an effect that makes the stem jump, each slip judged by itself; the best form first.
+
+    The line through the breakaways stays: few numbers are left, and their error has few minima.
+
+    Parameters
+    ----------
+    effect : Effect
+    line : Line
+    forms : sequence of (Problem, array)
+        Problems with the effect, one for each form of it, and the scaled starts, shape (starts, unknowns).
+    """
+    first = search_form(effect, line, *forms[0])
+    others = [search_kindred(first, problem) for problem, _ in forms[1:]]
+    return sorted([first, *others], key=lambda each: each.found.error)
+
+
+def error_at_rests(problem: Problem, point: np.ndarray) -> float:
+    """Return the error of a problem whose slips are judged by themselves."""
+    return float(errors(on_rests(problem), point[None, :])[0])
+
+
+def on_rests(problem: Problem) -> Problem:
+    """Return the problem whose runs are put anew on each rest: each slip is judged by itself."""
+    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
+    return replace(problem, experiments=rested, is_anchored=True)
+
+
+def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray) -> SlipSearch:
+    """Search for the numbers of one form of an effect."""
+    names = [unknown.name for unknown in problem.unknowns]
+    added = [names.index(parameter.name) for parameter in effect.fitted]
+    ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
+    others = [*(number for number in added if number != ratio), names.index("viscous_friction")]
+    slips = Slips(problem, ratio, friction, others, line)
+    excesses = np.log(problem.unknowns[ratio].value(starts[:, ratio]) - 1.0)
+    widths = [(excesses.min() - BEYOND, excesses.max() + BEYOND)]
+    for number in others[:-1]:
+        more = BEYOND if problem.unknowns[number].is_logarithmic else 0.0
+        neutral = problem.unknowns[number].scaled(effect.parameter(names[number]).neutral)
+        low, high = starts[:, number].min(), starts[:, number].max()
+        widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
+    widths.append((-DAMPING, DAMPING))
+    centre = starts[0].copy()
+    # What the line leaves open is as it was given: a fit without the effect misleads.
+    centre[[number for number, name in enumerate(names) if name in problem.model.values]] = 0.0
+    centre[line.columns] = line.point[line.columns]
+    centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
+    centre[ratio] = problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0])))
+    centre[friction] -= np.log(problem.unknowns[ratio].value(centre[ratio]))
+    box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
+    found = roam_through(
+        on_rests(problem),
+        partial(slips.points_of, centre),
+        box,
+        size=SIZE,
+        generations=GENERATIONS,
+        enough=problem.noise_error,
+    )
+    return SlipSearch(slips, box, found)
+
+
+def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
+    """Search for the numbers of another form of an effect, beside those of the first."""
+    slips = replace(begun.slips, problem=problem)
+    found = roam_through(
+        on_rests(problem),
+        partial(slips.points_of, begun.found.point),
+        [(KINDRED * low, KINDRED * high) for low, high in begun.box],
+        size=KINDRED_SIZE,
+        generations=KINDRED_GENERATIONS,
+        enough=problem.noise_error,
+        start=np.zeros(len(begun.box)),
+    )
+    return SlipSearch(slips, begun.box, found)
+
+
+def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
+    """Search all numbers near by: each slip by itself, then the re-anchored and the free run; the best by both wins.
+
+    The forms of an effect are tried one after the other until one comes down to the noise.
+    """
+    searched: list[tuple[SlipSearch, Found]] = []
+    for each in begun:
+        if each.found.error > CLOSE * begun[0].found.error:
+            break
+        problem = each.slips.problem
+        searched.append((each, search_beside(each, each.found.point, on_rests(problem), AT_RESTS)))
+        if searched[-1][1].error <= AT_NOISE**2 * problem.noise_error:
+            break
+    slip, at_rests = min(searched, key=lambda pair: pair[1].error)
+    problem = slip.slips.problem
+    tempered = replace(problem, experiments=[replace(each, reach=REACH) for each in problem.experiments])
+    anchored, free = replace(tempered, is_anchored=True), replace(tempered, is_anchored=False)
+    found = [at_rests, search_beside(slip, at_rests.point, anchored, ANCHORED)]
+    if found[-1].error < LAWFUL * problem.noise_error:
+        found.append(search_beside(slip, found[-1].point, free, FREE))
+
+    def misfit(point: np.ndarray) -> float:
+        return float(errors(anchored, point[None, :])[0] * errors(free, point[None, :])[0])
+
+    best = min((each.point for each in found), key=misfit)
+    return problem, Found(best, float(errors(problem, best[None, :])[0]))
+
+
+def search_beside(begun: SlipSearch, centre: np.ndarray, problem: Problem, stage: Stage) -> Found:
+    """Search all numbers beside a scaled point."""
+    along = [(-1.0, 1.0)] * len(begun.slips.line.columns)
+    box = [(stage.share * low, stage.share * high) for low, high in begun.box] + along
+    return roam_through(
+        problem,
+        partial(begun.slips.points_of, centre),
+        box,
+        size=stage.size,
+        generations=stage.generations,
+        enough=problem.noise_error,
+        start=np.zeros(len(box)),
+    )

@@ -1,0 +1,115 @@
+"""Stick-slip of blind plants: rests, the line through their ends, and the search from the slips on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.score import score_fit
+from diagnosis.stairs import REACH, makes_stairs
+from identification.breakaway import breakaways_of, line_through
+from identification.experiment import experiment_of
+from identification.extension import extend, forms_of, slips_by
+from identification.fit import fit_base
+from identification.holdout import hold_out
+from identification.rests import put_on_rests, rests_of
+from identification.stick_slip import line_of_stairs, search_slips
+from valvemodel.effects import effect_of_key
+from valvemodel.records import Record
+
+NOISE = 1e-4
+
+
+def plant_and_base(given, seed: int, key: str):
+    """Return a blind plant, what is held out of its record, and the base valve fitted to the rest."""
+    plant = draw_plant(seed, (key,))
+    record = Record.from_arrays(name="plant", **measure(plant, seed + 7))
+    holdout = hold_out([replace(experiment_of(record), reach=REACH)])
+    return plant, holdout, fit_base(given, holdout.experiments, holdout.fitted)
+
+
+@pytest.fixture(scope="module")
+def falling(given):
+    """A plant whose friction falls with speed as a bell."""
+    return plant_and_base(given, 9102, "stribeck")
+
+
+@pytest.fixture(scope="module")
+def sticking(given):
+    """A plant whose bonds break by slip and heal with time."""
+    return plant_and_base(given, 9127, "static_friction")
+
+
+def test_rests_are_seen_where_they_end():
+    heights = np.repeat([0.0, 4e-3, 8e-3, 5e-3], [40, 30, 20, 30])
+    readings = heights + NOISE * np.random.default_rng(0).standard_normal(len(heights))
+    rests = list(rests_of(readings, NOISE))
+    assert [rest.last for rest in rests] == [39, 69, 89]
+    assert [rest.side for rest in rests] == [1.0, 1.0, -1.0]
+    assert [rest.position for rest in rests] == pytest.approx([0.0, 4e-3, 8e-3], abs=5e-5)
+
+
+def test_a_slow_slide_is_no_rest():
+    sliding = 0.8 * NOISE * np.arange(300.0)
+    assert not list(rests_of(sliding + NOISE * np.random.default_rng(0).standard_normal(300), NOISE))
+
+
+def test_runs_are_put_anew_just_before_a_rest_ends(falling):
+    (experiment,) = falling[1].experiments
+    rested = put_on_rests(experiment, 3.0)
+    rests = list(rests_of(experiment.position, experiment.noise))
+    assert np.flatnonzero(np.isfinite(rested.anchors)).tolist() == [rest.last - 1 for rest in rests]
+    assert (rested.reach, rested.noise) == (3.0, experiment.noise)
+
+
+def test_the_line_through_breakaways_is_that_of_the_plant(falling):
+    plant, _, base = falling
+    line = line_through(breakaways_of(base.problem), base.found.point)
+    found = base.problem.values(line.point)
+    given = base.problem.model.values
+    drive = np.prod([plant.base[name] / given[name] for name in ("diaphragm_area", "supply_pressure")])
+    ratio = 1.0 + plant.effects[0].parameters["static_excess"]
+    assert found["spring_rate"] == pytest.approx(plant.base["spring_rate"] / drive, rel=1e-2)
+    assert found["coulomb_friction"] == pytest.approx(ratio * plant.base["coulomb_friction"] / drive, rel=1e-2)
+    assert found["gap_offset"] == pytest.approx(plant.base["gap_offset"], rel=1e-2)
+    assert found["gap_gain"] == pytest.approx(plant.base["gap_gain"], rel=1e-2)
+
+
+def test_the_breakaway_force_stays_while_the_slips_change(falling):
+    _, _, base = falling
+    effect = effect_of_key("static_friction")
+    line = line_of_stairs(base.problem, base.found.point)
+    (begun,) = search_slips(effect, line, forms_of(base, effect))
+    moves = np.random.default_rng(0).uniform(-0.3, 0.3, (20, len(begun.box)))
+    points = begun.slips.points_of(begun.found.point, moves)
+    force, ratio = begun.slips.problem.unknowns[begun.slips.friction], begun.slips.problem.unknowns[begun.slips.ratio]
+    forces = force.value(points[:, begun.slips.friction]) * ratio.value(points[:, begun.slips.ratio])
+    assert forces == pytest.approx(np.full(20, base.problem.values(line.point)["coulomb_friction"]), rel=1e-9)
+    assert np.ptp(points[:, begun.slips.ratio]) > 0.0
+
+
+def test_falling_friction_is_explained(falling):
+    plant, holdout, base = falling
+    assert makes_stairs(base)
+    found = extend(base, "stribeck")
+    before, after = score_fit(base, holdout), score_fit(found, holdout)
+    assert before.misfit > 20.0
+    assert after.misfit < 1.5
+    ratio = 1.0 + plant.effects[0].parameters["static_excess"]
+    assert found.model.effects["stribeck"]["stribeck_ratio"] == pytest.approx(ratio, abs=0.06)
+
+
+def test_static_friction_of_bonds_is_explained(sticking):
+    _, holdout, base = sticking
+    assert makes_stairs(base)
+    before, after = score_fit(base, holdout), score_fit(extend(base, "static_friction"), holdout)
+    assert after.misfit < 0.4 * before.misfit
+
+
+def test_slips_of_a_coarse_reading_are_explained_in_vain(given):
+    _, _, base = plant_and_base(given, 9130, "quantisation")
+    assert line_of_stairs(base.problem, base.found.point) is not None
+    assert slips_by(base, effect_of_key("static_friction")) == []
