@@ -144,6 +144,7 @@ _EFFECTS = (
     Letter("a_y1", "area_slope", "1/m", "share of area over travel", "any"),
     Letter("a_y2", "area_curvature", "1/m^2", "share of area over travel squared", "any"),
     Letter("h_k", "spring_hardening", "1/m^2", "share of stiffening over travel squared", "any"),
+    Letter("g_k", "spring_progression", "1/m", "share of stiffening over travel", "any"),
     Letter("A_t", "tight_spot_excess", "1", "excess friction in the middle of the spot", "any"),
     Letter("y_t", "tight_spot_position", "m", "middle of the spot", "any"),
     Letter("w_t", "tight_spot_width", "m", "half-width at 1/e"),

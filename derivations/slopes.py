@@ -76,7 +76,7 @@ def rows() -> Iterator[tuple[Any, ...]]:
         "Slope of the driving force in the pressure: the effective area.", "area_variation, differentiated", "m^2",
     )  # fmt: skip
     yield (
-        "thrust_by_position", "stem", "P_b y S_1 k h_k a_y1 a_y2",
+        "thrust_by_position", "stem", "P_b y S_1 k h_k g_k a_y1 a_y2",
         symbol("P_b") * sp.Symbol("area_by_position", positive=True) - sp.Symbol("spring_stiffness", positive=True),
         "Slope of the driving force in the position, negative where the stem is stable.",
         "spring_hardening and area_variation, differentiated", "N/m",
@@ -170,9 +170,9 @@ def effective_area() -> sp.Expr:
 
 
 def spring_force() -> sp.Expr:
-    """Duffing's cubic spring."""
-    position, rate, hardening = symbols("y k h_k")
-    return rate * position * (1 + hardening * position**2)
+    """A progressive spring, and Duffing's cubic one."""
+    position, rate, hardening, progression = symbols("y k h_k g_k")
+    return rate * position * (1 + progression * position + hardening * position**2)
 
 
 def tight_friction() -> sp.Expr:

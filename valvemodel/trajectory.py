@@ -262,9 +262,9 @@ def _without_instant_rests(found: np.ndarray) -> np.ndarray:
 
 def stored_energy(numbers: dict[str, float], position: np.ndarray) -> np.ndarray:
     """Return the energy of the spring, preload and hardening included. [J]"""
-    hardening = numbers.get("spring_hardening", 0.0)
+    progression, hardening = numbers.get("spring_progression", 0.0), numbers.get("spring_hardening", 0.0)
     square = position * position
-    spring = numbers["spring_rate"] * square * (0.5 + 0.25 * hardening * square)
+    spring = numbers["spring_rate"] * square * (0.5 + progression * position / 3.0 + 0.25 * hardening * square)
     return spring + numbers["spring_preload"] * position
 
 

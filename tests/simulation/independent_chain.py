@@ -134,7 +134,7 @@ class IndependentChain:
 
     def thrust(self, time, y, pressure):
         area = self.diaphragm_area * (1.0 + self.area_slope * y + self.area_curvature * y**2)
-        spring = self.spring_rate * y * (1.0 + self.spring_hardening * y**2)
+        spring = self.spring_rate * y * (1.0 + self.spring_progression * y + self.spring_hardening * y**2)
         angle = 2.0 * math.pi * time / self.load_period
         load = self.load_sine * math.sin(angle) + self.load_cosine * math.cos(angle)
         return area * pressure - spring - self.spring_preload + load

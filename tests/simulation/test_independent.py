@@ -35,3 +35,11 @@ def test_run_is_within_its_tolerance(keys):
     expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
     for tolerance, bound in BOUNDS.items():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
+
+
+def test_progressive_spring_is_within_its_tolerance():
+    model = base_model().with_effect("spring_hardening", spring_hardening=2.0, spring_progression=1.0)
+    time, current = ramps_and_steps(seconds=3.0, seed=1)
+    row = model.rows()[0]
+    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    assert np.abs(run(model, time, current) - expected).max() < BOUNDS[TOLERANCE]

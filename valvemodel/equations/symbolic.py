@@ -542,7 +542,9 @@ def thrust_by_pressure(position, diaphragm_area, area_slope, area_curvature):
     return diaphragm_area * (area_slope * position + area_curvature * position**2 + 1)
 
 
-def thrust_by_position(pressure, position, diaphragm_area, spring_rate, spring_hardening, area_slope, area_curvature):
+def thrust_by_position(
+    pressure, position, diaphragm_area, spring_rate, spring_hardening, spring_progression, area_slope, area_curvature
+):
     """Slope of the driving force in the position, negative where the stem is stable.
 
     Effect spring_hardening and area_variation, differentiated. Returns [N/m].
@@ -552,11 +554,12 @@ def thrust_by_position(pressure, position, diaphragm_area, spring_rate, spring_h
     diaphragm_area : area of the diaphragm. [m^2]
     spring_rate : spring rate. [N/m]
     spring_hardening : share of stiffening over travel squared. [1/m^2]
+    spring_progression : share of stiffening over travel. [1/m]
     area_slope : share of area over travel. [1/m]
     area_curvature : share of area over travel squared. [1/m^2]
     """
     area_by_position = diaphragm_area * (area_slope + 2 * area_curvature * position)
-    spring_stiffness = spring_rate * (3 * spring_hardening * position**2 + 1)
+    spring_stiffness = spring_rate * (2 * spring_progression * position + 3 * spring_hardening * position**2 + 1)
     return pressure * area_by_position - spring_stiffness
 
 

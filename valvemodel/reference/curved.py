@@ -30,7 +30,8 @@ LOOK = 1e-3
 
 def curves(n: SimpleNamespace) -> bool:
     """Return whether a slip under a held pressure is no linear equation with constant forces."""
-    return n.spring_hardening != 0.0 or n.area_curvature != 0.0 or n.tight_spot_excess != 0.0 or n.stribeck_ratio > 1.0
+    has_straight_spring = n.spring_hardening == 0.0 and n.spring_progression == 0.0
+    return not has_straight_spring or n.area_curvature != 0.0 or n.tight_spot_excess != 0.0 or n.stribeck_ratio > 1.0
 
 
 def varies(n: SimpleNamespace) -> bool:

@@ -15,7 +15,8 @@ FARTHEST = 10.0
 def thrust(n: SimpleNamespace, position: float, pressure: float, time: float) -> float:
     """Return what drives the stem: pressure times area, less the spring's force, and the load. [N]"""
     area = n.diaphragm_area * (1.0 + n.area_slope * position + n.area_curvature * position**2)
-    spring = n.spring_preload + n.spring_rate * position * (1.0 + n.spring_hardening * position**2)
+    stiffening = 1.0 + n.spring_progression * position + n.spring_hardening * position**2
+    spring = n.spring_preload + n.spring_rate * position * stiffening
     angle = 2.0 * pi * time / n.load_period
     return area * pressure - spring + n.load_sine * sin(angle) + n.load_cosine * cos(angle)
 

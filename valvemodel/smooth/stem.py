@@ -117,7 +117,7 @@ def thrust(p: Any, position: Expression, pressure: Expression, time: Expression)
     if "area_variation" in p.effects:
         force += p.diaphragm_area * pressure * position * (p.area_slope + p.area_curvature * position)
     if "spring_hardening" in p.effects:
-        force -= p.spring_rate * p.spring_hardening * position**3
+        force -= p.spring_rate * (p.spring_progression + p.spring_hardening * position) * position**2
     if "load_force" in p.effects:
         angle = 2.0 * math.pi * time / p.load_period
         force += p.load_sine * ca.sin(angle) + p.load_cosine * ca.cos(angle)
@@ -128,7 +128,7 @@ def stiffness(p: Any, side: Expression, position: Expression, pressure: Expressi
     """Return by how much the net force falls with the position. [N/m]"""
     slope = p.spring_rate
     if "spring_hardening" in p.effects:
-        slope += 3.0 * p.spring_rate * p.spring_hardening * position * position
+        slope += p.spring_rate * (2.0 * p.spring_progression + 3.0 * p.spring_hardening * position) * position
     if "area_variation" in p.effects:
         slope -= p.diaphragm_area * pressure * (p.area_slope + 2.0 * p.area_curvature * position)
     if "position_dependent_friction" in p.effects:

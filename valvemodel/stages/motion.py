@@ -77,6 +77,7 @@ def plan_stem(p, state, tolerance):
         and p.area_slope == 0.0
         and p.area_curvature == 0.0
         and p.spring_hardening == 0.0
+        and p.spring_progression == 0.0
         and p.tight_spot_excess == 0.0
         and p.friction_area == 0.0
         and not has_lag(p)

@@ -236,8 +236,8 @@ EFFECTS = (
         stage="stem",
         title="spring hardening",
         meaning="the spring stiffens with travel",
-        equation=r"F_k = k\,y\,(1 + h\,y^2)",
-        source="Duffing's cubic spring",
+        equation=r"F_k = k\,y\,(1 + g\,y + h\,y^2)",
+        source="progressive spring g and Duffing's cubic spring h",
         parameters=(
             Parameter(
                 "spring_hardening",
@@ -248,6 +248,7 @@ EFFECTS = (
                 0.0,
                 (3.0, -2.0),
             ),
+            Parameter("spring_progression", "1/m", "g: share of stiffening over travel", -1.5, 6.0, 0.0, (0.0,)),
         ),
         aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation"),
         told_apart_by=(
@@ -346,6 +347,8 @@ def thrust(p, position, pressure, time):
         force += p.diaphragm_area * p.area_curvature * position * position * pressure
     if p.spring_hardening != 0.0:
         force -= p.spring_rate * p.spring_hardening * position * position * position
+    if p.spring_progression != 0.0:
+        force -= p.spring_rate * p.spring_progression * position * position
     if p.load_sine != 0.0 or p.load_cosine != 0.0:
         angle = 2.0 * math.pi * time / p.load_period
         force += p.load_sine * math.sin(angle) + p.load_cosine * math.cos(angle)
@@ -384,6 +387,8 @@ def tangent_stiffness(p, side, position, pressure, time):
     stiffness = p.spring_rate
     if p.spring_hardening != 0.0:
         stiffness += 3.0 * p.spring_rate * p.spring_hardening * position * position
+    if p.spring_progression != 0.0:
+        stiffness += 2.0 * p.spring_rate * p.spring_progression * position
     if p.area_slope != 0.0:
         stiffness -= p.diaphragm_area * p.area_slope * pressure
     if p.area_curvature != 0.0:
@@ -399,9 +404,8 @@ def tangent_stiffness(p, side, position, pressure, time):
 @compiled
 def is_linear(p):
     """Return whether a slip on dry friction under a held pressure is a linear equation, so that one step is exact."""
-    return (
-        p.spring_hardening == 0.0 and p.area_curvature == 0.0 and p.tight_spot_excess == 0.0 and p.stribeck_ratio == 1.0
-    )
+    has_straight_spring = p.spring_hardening == 0.0 and p.spring_progression == 0.0
+    return has_straight_spring and p.area_curvature == 0.0 and p.tight_spot_excess == 0.0 and p.stribeck_ratio == 1.0
 
 
 @compiled
