@@ -54,6 +54,9 @@ ALIAS_ROUNDS = 2
 AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
+EXPLAINS_MUCH = 0.5
+"""Share of the base's squared error below which a cause must come whose runs take long."""
+
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
 
@@ -104,7 +107,7 @@ def try_together(
     for size in range(2, MOST_EFFECTS + 1):
         if explains(min(tried, key=misfit), base, generous=size > 2):
             break
-        order = best_of(tried, size - 1)
+        order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
         leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
@@ -132,7 +135,8 @@ def extensions(
 ) -> list[Work]:
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
-    alone = [each.effects[0] for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])][:BEST_ALONE]
+    better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
+    alone = [each.effects[0] for each in better if is_worth_its_time(each, tried[0])][:BEST_ALONE]
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if not effect_of_key(key).fitted]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
@@ -181,6 +185,12 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
                 if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
                     work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
+
+
+def is_worth_its_time(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether more is tried on top of a cause: where its runs take long, only if it explains much."""
+    takes_long = any(effect_of_key(key).takes_long for key in candidate.effects)
+    return not takes_long or misfit(candidate) < EXPLAINS_MUCH * misfit(base)
 
 
 def is_quick(key: str) -> bool:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from diagnosis.judgement import differ_by_aliases
-from diagnosis.selection import exchanged, with_better
+from diagnosis.selection import exchanged, is_worth_its_time, with_better
 from diagnosis.trying import Candidate
 
 
@@ -61,3 +61,9 @@ def test_nearest_of_the_same_effects_is_kept():
 def test_causes_that_differ_by_aliases(effects, others, expected):
     assert differ_by_aliases(effects, others) == expected
     assert differ_by_aliases(others, effects) == expected
+
+
+@pytest.mark.parametrize(("misfit", "key", "expected"), [(9.0, "presliding", True), (11.0, "presliding", False),
+                                                          (19.0, "coil_lag", True)])  # fmt: skip
+def test_slow_effects_must_explain_much_to_be_built_upon(misfit, key, expected):
+    assert is_worth_its_time(candidate(misfit, key), candidate(20.0)) == expected
