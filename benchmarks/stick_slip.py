@@ -10,7 +10,7 @@ import time
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
-from diagnosis.stairs import makes_stairs, with_stairs
+from diagnosis.stairs import on_stairs
 from identification.experiment import experiment_of
 from identification.extension import extend
 from identification.fit import Fit, fit_base
@@ -26,13 +26,10 @@ def prepare(record: Record) -> tuple[Holdout, Fit]:
     """Return what a diagnosis begins with: the parts of a record and the base valve, tempered on stairs."""
     valve = read_valve("calibrated")
     model, experiments = Model(valve.name, valve.values), [experiment_of(record)]
-    plain = hold_out(experiments)
-    base = fit_base(model, plain.experiments, plain.fitted)
-    tempered = hold_out(with_stairs(experiments, base))
-    if tempered.experiments[0] is experiments[0]:
-        return plain, base
-    stepped = fit_base(model, tempered.experiments, tempered.fitted)
-    return (tempered, stepped) if makes_stairs(stepped) else (plain, base)
+    holdout = hold_out(experiments)
+    base = fit_base(model, holdout.experiments, holdout.fitted)
+    _, holdout, base = on_stairs(experiments, holdout, base, model)
+    return holdout, base
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -22,7 +22,7 @@ from diagnosis.score import Errors, closed_interval, closed_share, errors_of, sc
 from diagnosis.selection import library_for, select
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import open_stages, stage_probabilities
-from diagnosis.stairs import makes_stairs, with_stairs
+from diagnosis.stairs import on_stairs
 from diagnosis.trying import Candidate, workers
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
@@ -245,12 +245,7 @@ def diagnose(
     if slowness:
         holdout = hold_out(experiments)
         base = fit_base(model, holdout.experiments, holdout.fitted)
-    stepped = with_stairs(experiments, base)
-    if stepped != experiments:
-        parted = hold_out(stepped)
-        tempered = fit_base(model, parted.experiments, parted.fitted)
-        if makes_stairs(tempered):
-            experiments, holdout, base = stepped, parted, tempered
+    experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
         tried = select(first, holdout, library, pool, progress)

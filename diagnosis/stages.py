@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from diagnosis.judgement import Judgement
 from diagnosis.trying import Candidate
@@ -65,5 +65,10 @@ def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[
     order = sorted(probabilities, key=lambda stage: -probabilities[stage])
     if verdict == "unknown":
         return order[:MOST_OPEN]
-    own = {effect_of_key(key).stage for effects in causes for key in effects}
+    own = stages_of(causes)
     return [stage for stage in order if verdict == "effect" and stage in own]
+
+
+def stages_of(causes: Iterable[tuple[str, ...]]) -> set[str]:
+    """Return the stages of the effects of causes."""
+    return {effect_of_key(key).stage for effects in causes for key in effects}

@@ -7,9 +7,11 @@ from dataclasses import replace
 
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
-from identification.fit import Fit
+from identification.fit import Fit, fit_base
+from identification.holdout import Holdout, hold_out
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
+from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
 
 FEW_STOPS = 3
@@ -17,6 +19,18 @@ FEW_STOPS = 3
 
 STEPPED = 0.5
 """Share of the base's error below which an effect that makes stairs must come, or there are none: a lag rests too."""
+
+
+def on_stairs(
+    experiments: list[Experiment], holdout: Holdout, base: Fit, model: Model
+) -> tuple[list[Experiment], Holdout, Fit]:
+    """Return experiments, their parts and the base refitted to them, where they have stairs; else all as it was."""
+    stepped = with_stairs(experiments, base)
+    if stepped == experiments:
+        return experiments, holdout, base
+    parted = hold_out(stepped)
+    tempered = fit_base(model, parted.experiments, parted.fitted)
+    return (stepped, parted, tempered) if makes_stairs(tempered) else (experiments, holdout, base)
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:

@@ -6,7 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from valvemodel.effects import are_aliases, effect_of_key
+from diagnosis.stages import stages_of
+from valvemodel.effects import are_aliases
 
 MOST_DECLARED = 3
 """Causes, the first choice among them, up to which a set declared indistinguishable counts as an answer."""
@@ -131,8 +132,3 @@ def is_stage_right(truth: Effects, first: str | None, left_open: Collection[str]
     """Return whether the stage said first, or one of at most two that are left open, is a stage of the truth."""
     true = stages_of([truth])
     return first in true or (len(left_open) <= MOST_STAGES and bool(true & set(left_open)))
-
-
-def stages_of(causes: Sequence[Effects]) -> set[str]:
-    """Return the stages of causes."""
-    return {effect_of_key(key).stage for effects in causes for key in effects}

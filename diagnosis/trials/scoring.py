@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from diagnosis.stages import stages_of
 from diagnosis.trials.answering import read_answer
 from diagnosis.trials.closure import IMITATED, closure_on_unseen
-from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of, stages_of
+from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of
 from diagnosis.trials.plan import Task
 from diagnosis.trials.sealing import Places, open_truth
 

@@ -8,6 +8,7 @@ from valvemodel import chain, runs
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.stages import EFFECTS
+from valvemodel.stepping import SteppedValve
 from valvemodel.trajectory import TOLERANCE
 from valvemodel.valves import read_valve
 
@@ -33,6 +34,16 @@ def with_effects(model: Model, *keys: str) -> Model:
     for key in keys:
         model = model.with_effect(key, **NEEDED.get(key, {}))
     return model
+
+
+def stepped_readings(model: Model, time: np.ndarray, current: np.ndarray) -> np.ndarray:
+    """Readings of a valve that goes on period by period, shape (n,). [m]"""
+    valve = SteppedValve(model, current=current[0])
+    readings = [valve.reading]
+    for sample in range(len(time) - 1):
+        valve.time = time[sample]
+        readings.append(valve.step(current[sample], time[sample + 1] - time[sample]))
+    return np.array(readings)
 
 
 EFFECT_KEYS = [effect.key for effect in EFFECTS]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from independent_chain import IndependentChain
-from simulation_runs import base_model, ramps_and_steps, run, with_effects
+from simulation_runs import base_model, ramps_and_steps, run, stepped_readings, with_effects
 
 from identification.problem import FINE_TOLERANCE, SEARCH_TOLERANCE
 from valvemodel import runs
@@ -11,7 +11,6 @@ from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.reference import simulate_slowly
 from valvemodel.simulation import simulate
-from valvemodel.stepping import SteppedValve
 from valvemodel.trajectory import TOLERANCE
 
 TIME, CURRENT = ramps_and_steps(seconds=3.0, seed=1)
@@ -76,12 +75,7 @@ def test_second_lag_fades_into_none():
 @pytest.mark.parametrize("pair", PAIRS)
 def test_stepping_behind_two_lags_equals_a_whole_run_to_the_last_bit(pair):
     model = with_lags(*pair, "stribeck", "linkage_backlash")
-    valve = SteppedValve(model, current=CURRENT[0])
-    readings = [valve.reading]
-    for sample in range(len(TIME) - 1):
-        valve.time = TIME[sample]
-        readings.append(valve.step(CURRENT[sample], TIME[sample + 1] - TIME[sample]))
-    assert (np.array(readings) == simulate(model, time=TIME, current=CURRENT).position).all()
+    assert (stepped_readings(model, TIME, CURRENT) == simulate(model, time=TIME, current=CURRENT).position).all()
 
 
 def test_stem_that_is_put_anew_is_read_without_delay():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from simulation_runs import EFFECT_KEYS, base_model, ramps_and_steps, with_effects
+from simulation_runs import EFFECT_KEYS, base_model, ramps_and_steps, stepped_readings, with_effects
 
 from valvemodel.errors import InputError
 from valvemodel.simulation import simulate
@@ -13,12 +13,7 @@ from valvemodel.stepping import SteppedValve
 def test_stepping_equals_a_whole_run_to_the_last_bit(keys):
     time, current = ramps_and_steps(seconds=6.0)
     model = with_effects(base_model(), *keys)
-    valve = SteppedValve(model, current=current[0])
-    readings = [valve.reading]
-    for sample in range(len(time) - 1):
-        valve.time = time[sample]
-        readings.append(valve.step(current[sample], time[sample + 1] - time[sample]))
-    assert (np.array(readings) == simulate(model, time=time, current=current).position).all()
+    assert (stepped_readings(model, time, current) == simulate(model, time=time, current=current).position).all()
 
 
 def test_a_refused_step_leaves_the_valve_as_it_was():

@@ -1,0 +1,25 @@
+"""Fits to blind plants that the identification's tests share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from diagnosis.blindtest.plants import Plant, draw_plant, measure, write_record
+from identification.extension import extend
+from identification.fit import Fit, fit_base
+from identification.holdout import hold_out
+from identification.timing import experiments_of
+from valvemodel.model import Model
+from valvemodel.records import read_record
+from valvemodel.valves import read_valve
+
+
+def fits_to_plant(seed: int, key: str, folder: Path) -> tuple[Plant, Fit, Fit]:
+    """Return a plant with an effect, and the fits to its record without the effect and with it."""
+    plant, path = draw_plant(seed, (key,)), folder / "record.csv"
+    write_record(path, measure(plant, seed + 7))
+    experiments, _ = experiments_of([read_record(path)])
+    holdout = hold_out(experiments)
+    valve = read_valve("calibrated")
+    base = fit_base(Model(valve.name, valve.values), holdout.experiments, holdout.fitted)
+    return plant, base, extend(base, key)
