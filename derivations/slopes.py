@@ -67,7 +67,7 @@ def rows() -> Iterator[tuple[Any, ...]]:
         "Slope of the sag that the nozzle's own air keeps up.", "supply_droop, differentiated", "Pa",
     )  # fmt: skip
     yield (
-        "leaked_pressure_by_pressure", "nozzle", "P_a l_a P_1", 1 / sp.diff(pressure_before_leak(), symbol("P_a")),
+        "leaked_pressure_by_pressure", "nozzle", "P_a l_a g_a P_1", 1 / sp.diff(pressure_before_leak(), symbol("P_a")),
         "Slope of the actuator pressure behind the leak in the pressure before it.",
         "air_leak, differentiated", "1",
     )  # fmt: skip
@@ -85,10 +85,16 @@ def rows() -> Iterator[tuple[Any, ...]]:
             ("spring_stiffness", sp.factor(sp.diff(spring_force(), symbol("y")))),
         ),
     )  # fmt: skip
+    from_middle = symbol("y") - symbol("y_t")
+    slope = sp.powsimp(sp.diff(tight_friction(), DISTANCE)) * sp.sign(from_middle) / symbol("w_t")
     yield (
-        "tight_friction_by_position", "stem", "y F_c A_t y_t w_t", sp.diff(tight_friction(), DISTANCE) / symbol("w_t"),
+        "tight_friction_by_position", "stem", "y F_c A_t y_t w_t n_t", slope,
         "Slope of the Coulomb friction in the position.", "position_dependent_friction, differentiated", "N/m",
-        ((DISTANCE.name, (symbol("y") - symbol("y_t")) / symbol("w_t")), ("bell", sp.exp(-(DISTANCE**2)))),
+        (
+            (DISTANCE.name, sp.Abs(from_middle) / symbol("w_t")),
+            ("bell", spot_shape()),
+            ("steepness", DISTANCE ** (symbol("n_t") - 1) * sp.sign(from_middle)),
+        ),
     )  # fmt: skip
     yield (
         "seal_friction_by_pressure", "stem", "P_b S_p n_p P_1",
@@ -158,9 +164,9 @@ def settled_droop() -> sp.Expr:
 
 
 def pressure_before_leak() -> sp.Expr:
-    """Laminar restriction into a turbulent hole, at rest."""
-    behind, ratio, supply = symbols("P_a l_a P_1")
-    return behind + ratio * sp.sqrt(supply * behind)
+    """Restriction, laminar or turbulent, into a turbulent hole, at rest."""
+    behind, ratio, turbulent, supply = symbols("P_a l_a g_a P_1")
+    return (1 + turbulent) * behind + ratio * sp.sqrt(supply * behind)
 
 
 def effective_area() -> sp.Expr:
@@ -178,7 +184,12 @@ def spring_force() -> sp.Expr:
 def tight_friction() -> sp.Expr:
     """Coulomb friction with a tight spot, as a function of the relative distance from its middle."""
     coulomb, excess = symbols("F_c A_t")
-    return coulomb * (1 + excess * sp.exp(-(DISTANCE**2)))
+    return coulomb * (1 + excess * spot_shape())
+
+
+def spot_shape() -> sp.Expr:
+    """A bell, or with an exponent above 2 one with steeper sides and a flat top."""
+    return sp.exp(-(DISTANCE ** symbol("n_t")))
 
 
 def seal_friction() -> sp.Expr:

@@ -13,6 +13,7 @@ import numpy as np
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
+from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
@@ -128,6 +129,7 @@ class Diagnosis(Told):
     given: Model
     base: Fit
     found: Fit
+    candidates: tuple[str, ...]
     tried: list[Candidate]
     confusability: Confusability
     control: Control
@@ -146,7 +148,8 @@ class Diagnosis(Told):
     @property
     def open_stages(self) -> list[str]:
         """Stages in which the cause may lie as far as the records tell, the most probable first."""
-        return open_stages(self.verdict, self.stage_probability, [self.cause.effects, *self.cause.rivals])
+        causes = [self.cause.effects, *self.cause.rivals] if self.verdict == "effect" else []
+        return open_stages(self.verdict, self.stage_probability, [*causes, *((key,) for key in self.untried_aliases)])
 
     @property
     def not_tried(self) -> list[str]:
@@ -156,9 +159,10 @@ class Diagnosis(Told):
 
     @property
     def untried_aliases(self) -> list[str]:
-        """Effects that were not tried and are declared to look like one that is named."""
-        named = self.cause.effects if self.verdict == "effect" else ()
-        return [key for key in self.not_tried if any(are_aliases(key, each) for each in named)]
+        """Effects that were no candidates and are declared to look like one that is named, or like none."""
+        named = {"effect": self.cause.effects, "none": ("none",), "unknown": ()}[self.verdict]
+        others = [effect.key for effect in EFFECTS if effect.key not in self.candidates]
+        return [key for key in others if any(are_aliases(key, each) for each in named)]
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
@@ -248,7 +252,7 @@ def diagnose(
     experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        tried = select(first, holdout, library, pool, progress)
+        tried = with_hidden(select(first, holdout, library, pool, progress), holdout, pool, progress)
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
@@ -284,6 +288,7 @@ def diagnose(
         given=model,
         base=whole_base,
         found=whole,
+        candidates=tuple(effect.key for effect in library),
         tried=tried,
         confusability=confusability(whole_base, library),
         control=control,

@@ -12,7 +12,7 @@ from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
-from valvemodel.effects import are_aliases, effect_of_key
+from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
 
 GENEROUS = 4.0
@@ -42,7 +42,7 @@ NEAR_THE_BEST = 2.0
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
 
-BEST_ALONE = 3
+BEST_ALONE = 4
 """Effects that are tried on top of each leader because they are the best alone: a leader's faults may hide them."""
 
 REVERSED = 4
@@ -54,7 +54,7 @@ ALIAS_ROUNDS = 2
 AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
-EXPLAINS_MUCH = 0.5
+EXPLAINS_MUCH = 0.75
 """Share of the base's squared error below which a cause must come whose runs take long."""
 
 BEHIND = 1.5
@@ -108,7 +108,7 @@ def try_together(
         if explains(min(tried, key=misfit), base, generous=size > 2):
             break
         order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
-        leaders = [each for each in order[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+        leaders = [each for each in unlike(order)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
@@ -136,7 +136,8 @@ def extensions(
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
-    alone = [each.effects[0] for each in better if is_worth_its_time(each, tried[0])][:BEST_ALONE]
+    worth = [each for each in better if is_worth_its_time(each, tried[0])]
+    alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if not effect_of_key(key).fitted]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
@@ -152,6 +153,19 @@ def extensions(
                 is_global = key in stopping and not effect_of_key(key).is_chaotic
                 work.append(Work(leader.fit, effects, is_global, single[key]))
     return work
+
+
+def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
+    """Return causes without those that differ from one before them by a declared alias.
+
+    These are exchanged later, but for what takes long.
+    """
+    kept: list[Candidate] = []
+    for cause in causes:
+        is_exchanged = all(is_quick(key) for key in cause.effects)
+        if not is_exchanged or not any(differ_by_aliases(cause.effects, each.effects) for each in kept):
+            kept.append(cause)
+    return kept
 
 
 def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:

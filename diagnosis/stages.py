@@ -9,9 +9,13 @@ from diagnosis.judgement import Judgement
 from diagnosis.trying import Candidate
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
+from valvemodel.stages import EFFECTS
 
 ALIKE = 0.6
 """What an effect hints at the stage of the one nearest to it elsewhere, over what it hints at its own."""
+
+FOREHAND = 0.5
+"""What all stages together hint at beforehand; an effect that halves the error in root mean square hints at 1.4."""
 
 MOST_OPEN = 2
 """Stages that an unknown cause is said to lie in."""
@@ -34,9 +38,10 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     """Return how much the gap resembles the effects of each stage, as shares of 1.
 
     An effect alone hints at its stage by the logarithm of how far it brings the error down, and less at the stage of
-    the effect that looks most like it elsewhere: it may be a stand-in.
+    the effect that looks most like it elsewhere: it may be a stand-in. Where nothing helps, a stage counts by the
+    number of effects that are known in it.
     """
-    hints = dict.fromkeys(STAGES, 0.0)
+    hints = {stage: FOREHAND * sum(effect.stage == stage for effect in EFFECTS) / len(EFFECTS) for stage in STAGES}
     base = candidates[0].score.misfit
     for candidate in candidates:
         if len(candidate.effects) != 1:
@@ -48,7 +53,7 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
         nearest = next((stage for stage in elsewhere if stage != effect.stage), effect.stage)
         hints[nearest] += ALIKE * hint
     total = sum(hints.values())
-    return {stage: hint / total if total > 0.0 else 1.0 / len(hints) for stage, hint in hints.items()}
+    return {stage: hint / total for stage, hint in hints.items()}
 
 
 def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[tuple[str, ...]]) -> list[str]:
@@ -60,13 +65,13 @@ def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[
     probabilities : dict
         Of the stages.
     causes : sequence of tuple of str
-        The cause that is named, and those that it cannot be told from.
+        The cause that is named, those that it cannot be told from, and what looks alike but was no candidate.
     """
     order = sorted(probabilities, key=lambda stage: -probabilities[stage])
     if verdict == "unknown":
         return order[:MOST_OPEN]
     own = stages_of(causes)
-    return [stage for stage in order if verdict == "effect" and stage in own]
+    return [stage for stage in order if stage in own]
 
 
 def stages_of(causes: Iterable[tuple[str, ...]]) -> set[str]:

@@ -10,7 +10,7 @@ from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
-from valvemodel.stages.nozzle import advance_nozzle, rest_nozzle
+from valvemodel.stages.nozzle import advance_nozzle, has_leak, rest_nozzle
 from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import (
@@ -71,7 +71,7 @@ def maps_plainly(p):
         and p.hysteresis_half_width == 0.0
         and p.pressure_per_current == 0.0
         and p.compressible_share == 0.0
-        and p.leak_ratio == 0.0
+        and not has_leak(p)
         and not has_pressure_dynamics(p)
     )
 

@@ -32,6 +32,14 @@ def are_aliases(key: str, other: str) -> bool:
     return any(one != "none" and its in effect_of_key(one).aliases for one, its in pairs)
 
 
+def differ_by_aliases(effects: tuple[str, ...], others: tuple[str, ...]) -> bool:
+    """Return whether two causes differ by one effect for which the other, or none, is declared to come close."""
+    mine, theirs = set(effects) - set(others) or {"none"}, set(others) - set(effects) or {"none"}
+    if len(mine) != 1 or len(theirs) != 1:
+        return False
+    return are_aliases(mine.pop(), theirs.pop())
+
+
 def parse_effect(text: str) -> tuple[str, dict[str, float]]:
     """Read `KEY` or `KEY:name=value,name=value` as the command line has it, values in SI units or with a unit.
 

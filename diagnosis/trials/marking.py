@@ -77,7 +77,7 @@ def mark(kind: str, truth: Effects, diagnosis: Mapping[str, Any]) -> Mark:
         outcome = outcome_of(truth, verdict, named, declared)
         is_true = any(set(truth) == set(each) for each in family)
     where = diagnosis["where"]
-    left_open = where.get("open_stages", ()) if verdict == "unknown" else stages_of(declared)
+    left_open = stages_of(declared) | set(where.get("open_stages", ()))
     return Mark(
         outcome=outcome,
         is_right=outcome in ("right", "alias") or (kind == "left-out" and outcome == "unknown"),

@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis.judgement import differ_by_aliases
 from diagnosis.selection import exchanged, is_worth_its_time, with_better
 from diagnosis.trying import Candidate
+from valvemodel.effects import differ_by_aliases
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:

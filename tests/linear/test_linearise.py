@@ -45,7 +45,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     "two lags": valve(sensor_lag={"sensor_time_constant": 4e-3, "sensor_second_time_constant": 2e-3}),
     "a filter alone": valve(sensor_lag={"sensor_time_constant": 0.0, "sensor_second_time_constant": 3e-3}),
     "progressive": valve(spring_hardening={"spring_hardening": 2.0, "spring_progression": 1.5}),
-    "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2}),
+    "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2, "turbulent_leak_ratio": 0.3}),
     "many": valve(
         **{key: QUICK.get(key, {}) for key in ("coil_lag", "chamber_filling", "sensor_lag", "spring_hardening",
         "area_variation", "magnetic_saturation", "linkage_nonlinearity", "position_dependent_friction")}

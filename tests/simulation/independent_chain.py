@@ -89,7 +89,8 @@ class IndependentChain:
 
     def behind_leak(self, pressure):
         loss = self.leak_ratio * math.sqrt(self.supply_pressure)
-        return ((-loss + math.sqrt(loss**2 + 4.0 * pressure)) / 2.0) ** 2
+        kept = 1.0 + self.turbulent_leak_ratio
+        return ((-loss + math.sqrt(loss**2 + 4.0 * kept * pressure)) / (2.0 * kept)) ** 2
 
     def upstream(self, time, x, current):
         """Rates of all that is upstream of the stem, and the actuator pressure."""
@@ -144,7 +145,7 @@ class IndependentChain:
         grown = self.friction_drift_rate * self.friction_drift_time
         friction *= 1.0 + grown * (1.0 - math.exp(-time / self.friction_drift_time))
         friction *= 1.0 + self.tight_spot_excess * math.exp(
-            -(((y - self.tight_spot_position) / self.tight_spot_width) ** 2)
+            -(abs((y - self.tight_spot_position) / self.tight_spot_width) ** self.tight_spot_exponent)
         )
         if self.friction_area != 0.0:
             friction += (

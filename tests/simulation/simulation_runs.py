@@ -18,7 +18,11 @@ NEEDED = {
     "end_stop": {"upper_stop": 0.19},
     "quantisation": {"resolution": 1e-3},
     "load_force": {"load_sine": 200.0, "load_cosine": 100.0, "load_period": 5.0},
-    "position_dependent_friction": {"tight_spot_excess": 0.6, "tight_spot_position": 0.12},
+    "position_dependent_friction": {
+        "tight_spot_excess": 0.6,
+        "tight_spot_position": 0.12,
+        "tight_spot_exponent": 2.6,
+    },
 }
 """Values of effects whose typical ones come from a record."""
 

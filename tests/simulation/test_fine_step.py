@@ -243,6 +243,8 @@ def test_static_maps_against_their_formulas():
     behind = ((-loss + np.sqrt(loss**2 + 4.0 * pressure)) / 2.0) ** 2
     leaking = run(BASE.with_effect("air_leak", leak_ratio=0.15), time, current)
     assert np.abs(leaking - run(BASE, time, behind, driven_by=1)).max() < 1e-12
+    divided = run(BASE.with_effect("air_leak", leak_ratio=0.0, turbulent_leak_ratio=0.25), time, current)
+    assert np.abs(divided - run(BASE, time, pressure / 1.25, driven_by=1)).max() < 1e-12
 
 
 def test_readings_are_maps_of_the_position():

@@ -515,16 +515,17 @@ def settled_droop_by_share(pressure_share, droop_consumption, supply_pressure):
     return -supply_pressure * droop_consumption / (2 * np.sqrt(1 - pressure_share))
 
 
-def leaked_pressure_by_pressure(actuator_pressure, leak_ratio, supply_pressure):
+def leaked_pressure_by_pressure(actuator_pressure, leak_ratio, turbulent_leak_ratio, supply_pressure):
     """Slope of the actuator pressure behind the leak in the pressure before it.
 
     Effect air_leak, differentiated. Returns [1].
 
     actuator_pressure : gauge pressure behind the leak. [Pa]
     leak_ratio : pressure lost over supply at full pressure. [1]
+    turbulent_leak_ratio : square of the hole's area over that of a turbulent restriction. [1]
     supply_pressure : gauge supply pressure. [Pa]
     """
-    return 1 / (leak_ratio * np.sqrt(supply_pressure / actuator_pressure) / 2 + 1)
+    return 1 / (leak_ratio * np.sqrt(supply_pressure / actuator_pressure) / 2 + turbulent_leak_ratio + 1)
 
 
 def thrust_by_pressure(position, diaphragm_area, area_slope, area_curvature):
@@ -561,7 +562,9 @@ def thrust_by_position(
     return pressure * area_by_position - spring_stiffness
 
 
-def tight_friction_by_position(position, coulomb_friction, tight_spot_excess, tight_spot_position, tight_spot_width):
+def tight_friction_by_position(
+    position, coulomb_friction, tight_spot_excess, tight_spot_position, tight_spot_width, tight_spot_exponent
+):
     """Slope of the Coulomb friction in the position.
 
     Effect position_dependent_friction, differentiated. Returns [N/m].
@@ -571,10 +574,12 @@ def tight_friction_by_position(position, coulomb_friction, tight_spot_excess, ti
     tight_spot_excess : excess friction in the middle of the spot. [1]
     tight_spot_position : middle of the spot. [m]
     tight_spot_width : half-width at 1/e. [m]
+    tight_spot_exponent : 2 for a bell, more for steeper sides. [1]
     """
-    relative_distance = (position - tight_spot_position) / tight_spot_width
-    bell = np.exp(-(relative_distance**2))
-    return -2 * tight_spot_excess * coulomb_friction * bell * relative_distance / tight_spot_width
+    relative_distance = np.abs(position - tight_spot_position) / tight_spot_width
+    bell = np.exp(-(relative_distance**tight_spot_exponent))
+    steepness = relative_distance ** (tight_spot_exponent - 1) * np.sign(position - tight_spot_position)
+    return -tight_spot_excess * coulomb_friction * bell * tight_spot_exponent * steepness / tight_spot_width
 
 
 def seal_friction_by_pressure(pressure, friction_area, friction_pressure_order, supply_pressure):

@@ -107,6 +107,6 @@ def supply(numbers: Mapping[str, float], point: OperatingPoint) -> ct.StateSpace
 
 def leak_slope(numbers: Mapping[str, float], point: OperatingPoint) -> float:
     """Return the slope of the actuator pressure behind the leak."""
-    if numbers["leak_ratio"] == 0.0 or point.pressure <= 0.0:
+    if numbers["leak_ratio"] == numbers["turbulent_leak_ratio"] == 0.0 or point.pressure <= 0.0:
         return 1.0
     return evaluate(numeric.leaked_pressure_by_pressure, numbers, actuator_pressure=point.pressure)

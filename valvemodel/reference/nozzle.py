@@ -42,9 +42,9 @@ def passed_share(n: SimpleNamespace, ratio: float) -> float:
 
 
 def behind_leak(n: SimpleNamespace, pressure: float) -> float:
-    """Return P_a of P_a + l sqrt(P_1 P_a) = P_b, a quadratic equation in the root of P_a. [Pa]"""
-    if n.leak_ratio == 0.0 or pressure <= 0.0:
+    """Return P_a of (1 + g) P_a + l sqrt(P_1 P_a) = P_b, a quadratic equation in the root of P_a. [Pa]"""
+    if n.leak_ratio == n.turbulent_leak_ratio == 0.0 or pressure <= 0.0:
         return pressure
     loss = n.leak_ratio * sqrt(n.supply_pressure)
-    root = 2.0 * pressure / (loss + sqrt(loss**2 + 4.0 * pressure))
+    root = 2.0 * pressure / (loss + sqrt(loss**2 + 4.0 * (1.0 + n.turbulent_leak_ratio) * pressure))
     return root**2

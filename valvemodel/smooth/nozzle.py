@@ -99,7 +99,7 @@ def behind_leak(p: Any, pressure: Expression) -> Expression:
         return pressure
     positive = ca.fmax(pressure, LEAST_PRESSURE)
     loss = p.leak_ratio * ca.sqrt(p.supply_pressure)
-    root = 2.0 * positive / (loss + ca.sqrt(loss * loss + 4.0 * positive))
+    root = 2.0 * positive / (loss + ca.sqrt(loss * loss + 4.0 * (1.0 + p.turbulent_leak_ratio) * positive))
     return ca.if_else(pressure > LEAST_PRESSURE, root * root, pressure)
 
 

@@ -25,6 +25,10 @@ SPEED_PER_WIDTH = 1e-5
 """The speed at which a slip has ended is rounded over this, times the smoothing width. [m/s/N]"""
 
 
+LEAST_SQUARE = 1e-12
+"""What keeps the relative distance from a tight spot off 0, in square."""
+
+
 def states_of(effects: Collection[str], *, slides: bool) -> tuple[str, ...]:
     """Return the names of the states that the effects need; sliders are left out where they carry nothing."""
     if "presliding" not in effects:
@@ -133,10 +137,21 @@ def stiffness(p: Any, side: Expression, position: Expression, pressure: Expressi
         slope -= p.diaphragm_area * pressure * (p.area_slope + 2.0 * p.area_curvature * position)
     if "position_dependent_friction" in p.effects:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
-        bump = p.tight_spot_excess * ca.exp(-distance * distance)
+        bump = tight_spot_bump(p, distance)
         level = sliding_friction(p, side, position, pressure, time)
-        slope = ca.fmax(slope - 2.0 * distance / p.tight_spot_width * side * level * bump / (1.0 + bump), 0.0)
+        steepness = p.tight_spot_exponent * distance * squared(distance) ** (0.5 * p.tight_spot_exponent - 1.0)
+        slope = ca.fmax(slope - steepness / p.tight_spot_width * side * level * bump / (1.0 + bump), 0.0)
     return slope
+
+
+def tight_spot_bump(p: Any, distance: Expression) -> Expression:
+    """Return the excess friction at a distance from the middle of a tight spot, in half-widths."""
+    return p.tight_spot_excess * ca.exp(-(squared(distance) ** (0.5 * p.tight_spot_exponent)))
+
+
+def squared(distance: Expression) -> Expression:
+    """Return the square of a distance, kept from 0, where a power of it has no slope in its exponent."""
+    return distance * distance + LEAST_SQUARE
 
 
 def damping(p: Any, side: Expression) -> Expression:
@@ -158,7 +173,7 @@ def sliding_friction(
         level *= ca.fmax(1.0 + grown, 0.0)
     if "position_dependent_friction" in p.effects:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
-        level *= 1.0 + p.tight_spot_excess * ca.exp(-distance * distance)
+        level *= 1.0 + tight_spot_bump(p, distance)
     if "pressure_dependent_friction" in p.effects:
         positive = ca.fmax(pressure, 1e-9 * p.supply_pressure)
         share = (positive / p.supply_pressure) ** (p.friction_pressure_order - 1.0)

@@ -123,11 +123,20 @@ EFFECTS = (
         key="air_leak",
         stage="nozzle",
         title="air leak",
-        meaning="a hole in diaphragm or tubing behind a laminar restriction takes a part of the pressure",
-        equation=r"P_a + \ell\sqrt{P_1 P_a} = P_b",
-        source="laminar restriction into a turbulent hole, at rest",
+        meaning="a hole in diaphragm or tubing behind a restriction takes a part of the pressure",
+        equation=r"(1 + g)\,P_a + \ell\sqrt{P_1 P_a} = P_b",
+        source="restriction, laminar (l) or turbulent (g), into a turbulent hole, at rest",
         parameters=(
-            Parameter("leak_ratio", "1", "pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),
+            Parameter("leak_ratio", "1", "l: pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),
+            Parameter(
+                "turbulent_leak_ratio",
+                "1",
+                "g: square of the hole's area over that of a turbulent restriction",
+                0.0,
+                2.0,
+                0.0,
+                (0.0, 0.1),
+            ),
         ),
         aliases=("choked_flow", "none"),
         told_apart_by="a gauge on either side of the restriction, or the air consumed",
@@ -224,12 +233,18 @@ def resting_pressure(p, gap, supply):
 
 
 @inlined
+def has_leak(p):
+    """Return whether a hole takes a part of the pressure."""
+    return p.leak_ratio != 0.0 or p.turbulent_leak_ratio != 0.0
+
+
+@inlined
 def behind_leak(p, pressure):
     """Return the actuator pressure behind restriction and leak; the identity without a leak. [Pa]"""
-    if p.leak_ratio == 0.0 or pressure <= 0.0:
+    if not has_leak(p) or pressure <= 0.0:
         return pressure
     loss = p.leak_ratio * math.sqrt(p.supply_pressure)
-    root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * pressure))
+    root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * (1.0 + p.turbulent_leak_ratio) * pressure))
     return root * root
 
 

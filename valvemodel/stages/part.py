@@ -11,7 +11,7 @@ from valvemodel.stages.amplifier import lay_amplifier
 from valvemodel.stages.chamber import lay_chamber
 from valvemodel.stages.electromagnet import accept_currents, advance_flux, gap_of_current, lay_currents
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, left_out, value_at
-from valvemodel.stages.nozzle import behind_leak, drawn_to_settle, rest_nozzle, resting_pressure_of_chain
+from valvemodel.stages.nozzle import behind_leak, drawn_to_settle, has_leak, rest_nozzle, resting_pressure_of_chain
 from valvemodel.stages.supply import lay_supply
 
 COARSE = 1e-7
@@ -122,7 +122,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
     if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
         end = min(end, lay_amplifier(p, state, memory, spacing, count, slack))
     memory.end_filled = memory.pressures[count]
-    if p.leak_ratio != 0.0:
+    if has_leak(p):
         for node in range(count + 1):
             memory.pressures[node] = behind_leak(p, memory.pressures[node])
     return end

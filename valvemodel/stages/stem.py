@@ -142,7 +142,7 @@ EFFECTS = (
         stage="stem",
         title="tight spot",
         meaning="friction is higher around one place of the travel",
-        equation=r"F_c\,(1 + A\,e^{-((y - y_0)/w)^2})",
+        equation=r"F_c\,(1 + A\,e^{-|(y - y_0)/w|^n})",
         source="bent stem, scored packing",
         parameters=(
             Parameter("tight_spot_excess", "1", "A: excess friction in the middle", -0.9, 5.0, 0.0, (0.4, 1.0)),
@@ -157,6 +157,15 @@ EFFECTS = (
                 typical=0.14,
             ),
             Parameter("tight_spot_width", "m", "half-width at 1/e", 1e-3, 0.2, 0.02, (0.012, 0.006, 0.03), "log"),
+            Parameter(
+                "tight_spot_exponent",
+                "1",
+                "n: 2 for a bell; more for steep sides",
+                2.0,
+                8.0,
+                2.0,
+                (2.0,),
+            ),
         ),
         is_jagged=True,
         told_apart_by="strokes through the whole travel at low speed",
@@ -355,6 +364,14 @@ def thrust(p, position, pressure, time):
     return force
 
 
+@inlined
+def tight_spot_bump(p, distance):
+    """Return the excess friction at a distance from the middle of a tight spot, in half-widths."""
+    if p.tight_spot_exponent == 2.0:
+        return p.tight_spot_excess * math.exp(-distance * distance)
+    return p.tight_spot_excess * math.exp(-(abs(distance) ** p.tight_spot_exponent))
+
+
 @compiled
 def sliding_friction(p, side, position, pressure, time):
     """Return the Coulomb friction of a stem that moves to a side, at high speed. [N]"""
@@ -365,8 +382,7 @@ def sliding_friction(p, side, position, pressure, time):
         grown = -p.friction_drift_rate * p.friction_drift_time * math.expm1(-time / p.friction_drift_time)
         friction *= max(1.0 + grown, 0.0)
     if p.tight_spot_excess != 0.0:
-        distance = (position - p.tight_spot_position) / p.tight_spot_width
-        friction *= 1.0 + p.tight_spot_excess * math.exp(-distance * distance)
+        friction *= 1.0 + tight_spot_bump(p, (position - p.tight_spot_position) / p.tight_spot_width)
     if p.friction_area != 0.0:
         seal = p.friction_area * max(pressure, 0.0)
         if p.friction_pressure_order != 1.0:
@@ -395,9 +411,12 @@ def tangent_stiffness(p, side, position, pressure, time):
         stiffness -= 2.0 * p.diaphragm_area * p.area_curvature * position * pressure
     if p.tight_spot_excess != 0.0:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
-        bump = p.tight_spot_excess * math.exp(-distance * distance)
+        bump = tight_spot_bump(p, distance)
         friction = sliding_friction(p, side, position, pressure, time)
-        stiffness += -2.0 * distance / p.tight_spot_width * side * friction * bump / (1.0 + bump)
+        steepness = 2.0 * distance
+        if p.tight_spot_exponent != 2.0:
+            steepness = p.tight_spot_exponent * distance * abs(distance) ** (p.tight_spot_exponent - 2.0)
+        stiffness -= steepness / p.tight_spot_width * side * friction * bump / (1.0 + bump)
     return stiffness
 
 
