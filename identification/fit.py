@@ -89,7 +89,8 @@ def fit_base(model: Model, experiments: Sequence[Experiment], used: Masks | None
 
 def base_and_start_unknowns(model: Model, experiments: Sequence[Experiment]) -> list[Unknown]:
     """Return the free base parameters and the start position of each experiment."""
-    return base_unknowns(model) + [
+    with_pressure = any(experiment.pressure is not None for experiment in experiments)
+    return base_unknowns(model, with_pressure=with_pressure) + [
         start_unknown(experiment.first_reading, number) for number, experiment in enumerate(experiments)
     ]
 

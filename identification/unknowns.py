@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvemodel.base_valve import FITTED_BASE
+from valvemodel.base_valve import BASE_PARAMETERS, BY_PRESSURE
 from valvemodel.declarations import Parameter
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
@@ -15,6 +15,9 @@ from valvemodel.model import Model
 START_SPREAD = 0.02
 """A start position is looked for within a few of these about the first reading. [m]"""
 
+
+OF_GAP = ("gap_offset", "gap_gain", "supply_pressure")
+"""Base parameters that a valve with an affine map of current to pressure does without."""
 
 FREE_RANGE = 2.5
 """A base parameter is looked for within this many powers of e about where a search begins."""
@@ -60,11 +63,13 @@ class Unknown:
         return self.scaled(self.low), self.scaled(self.high)
 
 
-def base_unknowns(model: Model) -> list[Unknown]:
-    """Return the free base parameters k, F_c, f_v, c0, E and, held by its prior, the mass."""
+def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]:
+    """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, and by a measured pressure P_1."""
     unknowns = []
-    for parameter in FITTED_BASE:
-        if parameter.name in ("gap_offset", "gap_gain") and model.values["pressure_per_current"] > 0.0:
+    has_gap = model.values["pressure_per_current"] == 0.0
+    for parameter in BASE_PARAMETERS:
+        is_free = parameter.is_fitted or (with_pressure and parameter.name in BY_PRESSURE)
+        if not is_free or (parameter.name in OF_GAP and not has_gap):
             continue
         centre = model.values[parameter.name] or parameter.neutral
         low = max(parameter.low, centre * math.exp(-FREE_RANGE))

@@ -10,7 +10,9 @@ BASE_PARAMETERS = (
     Parameter("stem_mass", "kg", "mass of stem and plug", 0.01, 200.0, 1.36, scale="log", prior_spread=0.3),
     Parameter("spring_rate", "N/m", "spring rate", 0.0, 1e7, 52500.0),
     Parameter("diaphragm_area", "m^2", "effective diaphragm area", 1e-4, 1.0, 0.0645, scale="log", is_fitted=False),
-    Parameter("supply_pressure", "Pa", "gauge supply pressure", 1e4, 2e6, 3e5, scale="log", is_fitted=False),
+    Parameter(
+        "supply_pressure", "Pa", "gauge supply pressure", 1e4, 2e6, 3e5, scale="log", is_fitted=False, prior_spread=0.2
+    ),
     Parameter("viscous_friction", "N*s/m", "viscous friction", 0.0, 1e6, 612.9),
     Parameter("coulomb_friction", "N", "Coulomb friction", 0.0, 1e5, 1423.0),
     Parameter("spring_preload", "N", "spring force at position 0", -1e5, 1e5, 0.0, is_fitted=False),
@@ -66,5 +68,8 @@ BASE_PARAMETERS = (
     ),
 )
 """In the order in which they are shown. Stem, nozzle and electromagnet share them."""
+
+BY_PRESSURE = ("supply_pressure",)
+"""Those that only a measured pressure tells, and that are fitted where there is one."""
 
 FITTED_BASE = tuple(parameter for parameter in BASE_PARAMETERS if parameter.is_fitted)

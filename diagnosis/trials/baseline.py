@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from diagnosis.score import errors_of
-from identification.fit import Fit, finished
+from identification.fit import Fit, base_and_start_unknowns, finished
 from identification.hints import starts_of
 from identification.holdout import Holdout, hold_out
 from identification.problem import Problem
 from identification.search import descend
 from identification.timing import experiments_of
-from identification.unknowns import base_unknowns, effect_unknowns, start_unknown
+from identification.unknowns import effect_unknowns
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -45,7 +45,7 @@ def name_by_least_squares(record: Record, model: Model, candidates: Sequence[str
 
 def _fit_from_nominal(model: Model, key: str | None, holdout: Holdout) -> Fit:
     experiment = holdout.experiments[0]
-    unknowns = [*base_unknowns(model), start_unknown(experiment.first_reading, 0)]
+    unknowns = base_and_start_unknowns(model, [experiment])
     point = np.zeros(len(unknowns))
     if key is not None:
         start = next(starts_of(effect_of_key(key), [experiment], [experiment.position]))

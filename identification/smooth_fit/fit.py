@@ -9,14 +9,13 @@ import numpy as np
 
 from identification.experiment import Experiment
 from identification.extension import KEPT_STARTS, alike, screened
-from identification.fit import Fit, Masks, finished, measured
+from identification.fit import Fit, Masks, base_and_start_unknowns, finished, measured
 from identification.problem import Problem
 from identification.search import Found, descend
 from identification.smooth_fit.descent import WIDTHS, descend_smooth, narrowed, narrowed_by_shooting
 from identification.smooth_fit.guess import guessed
 from identification.smooth_fit.residuals import SmoothResiduals
 from identification.smooth_fit.smoothing import Smoothing, smoothing_of
-from identification.unknowns import base_unknowns, start_unknown
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 
@@ -89,9 +88,7 @@ def fit_smooth(
     """
     progress("base valve", 0.0)
     steps = len(effects) + 3
-    unknowns = base_unknowns(model) + [
-        start_unknown(experiment.first_reading, number) for number, experiment in enumerate(experiments)
-    ]
+    unknowns = base_and_start_unknowns(model, experiments)
     problem = Problem(model, experiments, unknowns, used or measured(experiments))
     residuals = SmoothResiduals(problem)
     path = _best_path(residuals, widths)
