@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -54,7 +54,11 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Cause:
-    """One cause with its probability, its parameters, and how far the gap shrinks with it; no effects is `none`."""
+    """One cause with its probability, its parameters, and how far the gap shrinks with it; no effects is `none`.
+
+    `rivals` are the causes that the records cannot tell from it, `hiding` the effects of which they would show nothing
+    beside it.
+    """
 
     effects: tuple[str, ...]
     probability: float
@@ -63,6 +67,7 @@ class Cause:
     closed: float | None
     closed_interval: tuple[float, float] | None
     rivals: list[tuple[str, ...]]
+    hiding: list[str] = field(default_factory=list)
 
     def as_json(self) -> dict[str, Any]:
         """Return the cause as diagnosis.json has it."""
@@ -74,6 +79,7 @@ class Cause:
             "gap_closed": self.closed,
             "gap_closed_interval": None if self.closed_interval is None else list(self.closed_interval),
             "indistinguishable_from": [list(rival) for rival in self.rivals],
+            "may_hide_beside": self.hiding,
         }
 
 
@@ -252,7 +258,7 @@ def diagnose(
     experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        tried = with_hidden(select(first, holdout, library, pool, progress), holdout, pool, progress)
+        tried, hiding = with_hidden(select(first, holdout, library, pool, progress), holdout, pool, progress)
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
@@ -265,8 +271,9 @@ def diagnose(
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
-    causes[0] = with_parameters(causes[0], whole)
-    stage_probability = stage_probabilities(tried, judgement)
+    causes[0] = replace(with_parameters(causes[0], whole), hiding=hiding)
+    stage_gaps = where_of(experiments, whole_base)
+    stage_probability = stage_probabilities(tried, judgement, stage_gaps.measured_shares)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
@@ -277,7 +284,7 @@ def diagnose(
         stage_probability=stage_probability,
         regimes=regimes_of(experiments, residuals, modes),
         regime_map=regime_map(experiments, residuals, modes),
-        stage_gaps=where_of(experiments, whole_base),
+        stage_gaps=stage_gaps,
         causes=causes,
         unknown_probability=judgement.unknown,
         as_given=as_given,

@@ -118,7 +118,7 @@ def diagnosis_card(answer: Answer) -> Card:
         " ".join(answer.where),
         Table(f"Gap. {answer.gap_measure}", ("model", "gap"), answer.gap_rows),
         Table("Causes", ("cause", "probability", "closes", "parameters"), causes),
-        answer.alternatives_sentence,
+        " ".join(part for part in (answer.alternatives_sentence, answer.hiding) if part),
         answer.next_step,
         *warning_lines(answer.warnings),
     )

@@ -17,19 +17,21 @@ from valvemodel.effects import effect_of_key
 HIDES = 1.1
 """Factor within which the squared error of a cause must stay for an effect to hide beside it."""
 
+MOST_SAID = 2
+"""Effects that are said to hide beside a cause."""
+
 FELT = 1.0
 """Change of the readings, in units of the noise, from which an effect is there and does not need to be shown."""
 
 
 def with_hidden(
     tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
-    """Return the causes, and what hides beside the most probable one at a strength that matters.
+) -> tuple[list[Candidate], list[str]]:
+    """Look at what hides beside the most probable cause at a strength that matters.
 
     A search from no effect leaves at nothing what gains nothing; that it would leave no trace if it were there is what
     a reader has to know. The most probable cause, which may be none, is fitted together with each effect that is
-    declared to come close to none, from a strength that would be felt; what then explains the records as well is a
-    cause of its own, in place of the same one without strength.
+    declared to come close to none, from a strength that would be felt.
 
     Parameters
     ----------
@@ -37,22 +39,30 @@ def with_hidden(
         The base first.
     holdout, pool, progress
         As for `selection.select`.
+
+    Returns
+    -------
+    list of Candidate
+        The causes; beside none, effects that hide at their strength instead of at nothing.
+    list of str
+        Effects that hide beside the most probable cause, the best hidden first; empty where that is none.
     """
     judgement = judge(tried)
     best = tried[int(np.argmax(judgement.probabilities))]
     if len(best.effects) > 1 or not explains(best, tried[0]) or judgement.unknown > judgement.probabilities.max():
-        return list(tried)
-    effects = [effect_of_key(each.effects[0]) for each in tried if len(each.effects) == 1]
+        return list(tried), []
+    weak = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
     work = [
-        Work(best.fit, (*best.effects, effect.key), False, strongest_start(effect), is_known=True)
-        for effect in effects
-        if can_hide(effect) and effect.key not in best.effects
+        Work(best.fit, (*best.effects, key), False, strongest_start(effect_of_key(key)), is_known=True)
+        for key in weak
+        if can_hide(effect_of_key(key)) and key not in best.effects
     ]
     found = try_all(work, holdout, pool, progress, "what may hide")
-    hidden = {frozenset(each.effects): each for each in found if is_hidden(each, best)}
-    others = [each for each in tried if frozenset(each.effects) not in hidden or each.trace >= FELT]
-    known = {frozenset(each.effects) for each in others}
-    return others + [each for effects, each in hidden.items() if effects not in known]
+    hidden = sorted((each for each in found if is_hidden(each, best)), key=misfit)
+    if best.effects:
+        return list(tried), [each.effects[-1] for each in hidden][:MOST_SAID]
+    replaced = {each.effects for each in hidden}
+    return [*(each for each in tried if each.effects not in replaced), *hidden], []
 
 
 def is_hidden(found: Candidate, best: Candidate) -> bool:

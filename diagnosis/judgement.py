@@ -155,20 +155,18 @@ def log_prior(candidate: Candidate) -> float:
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:
     """Return the causes, of no more effects, whose error on unseen data is like the chosen one's.
 
-    The empty cause means the base alone. A cause that only adds to the chosen one is no rival, unless what it adds is
-    declared to hide: beside an effect such a cause comes last, beside none first, as no record of current and position
-    rules it out.
+    The empty cause means the base alone. A cause that only adds to the chosen one is no rival. Beside no effect at all
+    those that are declared to hide in the base come first: no record of current and position rules them out.
     """
     base, mine = candidates[0], candidates[chosen]
     found: list[tuple[bool, float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
-        if number == chosen or not is_felt(other):
+        if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
             continue
-        is_alias = differ_by_aliases(mine.effects, other.effects)
-        adds = bool(mine.effects) and set(mine.effects) < set(other.effects)
-        if (adds and not is_alias) or (not adds and len(other.effects) > max(len(mine.effects), 1)):
+        if mine.effects and set(mine.effects) < set(other.effects):
             continue
         difference = abs(judgement.evidence[number] - judgement.evidence[chosen])
+        is_alias = differ_by_aliases(mine.effects, other.effects)
         if is_alias and any(effect_of_key(key).is_chaotic for key in other.effects):
             # No search comes to the end of its error: that it lies behind says little.
             within = math.inf
@@ -177,6 +175,5 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
         else:
             within = WITHIN_ERROR
         if difference < within:
-            comes_late = adds if mine.effects else not is_alias
-            found.append((comes_late, -judgement.evidence[number], other.effects))
+            found.append((bool(mine.effects) or not is_alias, -judgement.evidence[number], other.effects))
     return [effects for *_, effects in sorted(found)][:MOST_RIVALS]

@@ -12,13 +12,12 @@ from identification.experiment import Experiment
 from identification.fit import Fit, finished, measured, simulate_model
 from identification.problem import Problem
 from identification.search import descend
+from identification.unknowns import OF_GAP
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 
 FRONT, BACK = ("electromagnet", "nozzle"), ("stem", "sensor")
 """The stages before and after the measured pressure."""
-
-FRONT_UNKNOWNS = ("gap_offset", "gap_gain")
 
 WIDEST = 8
 """An error of the pressure is averaged over at most 2**8 + 1 neighbouring samples."""
@@ -127,7 +126,7 @@ def refitted(
     base: Fit, model: Model, experiments: Sequence[Experiment], used: Sequence[np.ndarray], *, is_front: bool
 ) -> Fit:
     """Fit the unknowns of one half of the chain, from where the fit of the whole has them."""
-    kept = [number for number, each in enumerate(base.unknowns) if (each.name in FRONT_UNKNOWNS) == is_front]
+    kept = [number for number, each in enumerate(base.unknowns) if (each.name in OF_GAP) == is_front]
     problem = Problem(model, experiments, [base.unknowns[number] for number in kept], used)
     point = base.found.point[kept]
     if not kept:

@@ -21,13 +21,26 @@ MOST_OPEN = 2
 """Stages that an unknown cause is said to lie in."""
 
 
-def stage_probabilities(candidates: Sequence[Candidate], judgement: Judgement) -> dict[str, float]:
+def stage_probabilities(
+    candidates: Sequence[Candidate], judgement: Judgement, measured: Sequence[tuple[tuple[str, ...], float]] = ()
+) -> dict[str, float]:
     """Return the probability that the gap lies in each stage; the rest to 1 is that of no effect.
 
     A cause of several stages counts in each by its share, an unknown cause by what resembles it.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+    judgement : Judgement
+    measured : sequence of (stages, share)
+        Parts of the chain between measured signals, with the share of the gap that arises in each: what the unknown
+        cause resembles is only asked within a part.
     """
     hints = resemblance(candidates)
     shares = {stage: judgement.unknown * hint for stage, hint in hints.items()}
+    for stages, share in measured:
+        within = sum(hints[stage] for stage in stages)
+        shares |= {stage: judgement.unknown * share * hints[stage] / within for stage in stages}
     for candidate, probability in zip(candidates, judgement.probabilities, strict=True):
         for key in candidate.effects:
             shares[effect_of_key(key).stage] += float(probability) / len(candidate.effects)

@@ -78,6 +78,11 @@ class Where:
     cross_term: float | None
     record: str | None = None
 
+    @property
+    def measured_shares(self) -> list[tuple[tuple[str, ...], float]]:
+        """Parts of the chain with the share of the gap that arises in each; empty where that was not measured."""
+        return [(each.stages, each.share) for each in self.stages if each.share is not None]
+
     def as_json(self) -> dict[str, Any]:
         """Return what the `where` of diagnosis.json has of it."""
         return {

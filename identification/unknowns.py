@@ -64,7 +64,7 @@ class Unknown:
 
 
 def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]:
-    """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, and by a measured pressure P_1."""
+    """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, P_1 if the pressure is known."""
     unknowns = []
     has_gap = model.values["pressure_per_current"] == 0.0
     for parameter in BASE_PARAMETERS:

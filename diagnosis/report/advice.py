@@ -8,7 +8,7 @@ from typing import Any
 
 from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, own_stages
-from diagnosis.report.naming import DECLARED, STAGE_PARTS, cause_title, effect_title, listed
+from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
 
 _TELLING = 0.5
@@ -80,6 +80,15 @@ def alternatives_sentence(diagnosis: Mapping[str, Any]) -> str:
     if diagnosis["verdict"] == "none":
         return f"This record cannot exclude {names}: it would look like other base parameters."
     return f"This record cannot tell {subject} from {names}."
+
+
+def hiding_sentence(diagnosis: Mapping[str, Any]) -> str:
+    """Name what may be in the valve beside the cause without a trace in the record; empty where nothing may."""
+    hiding = found_cause(diagnosis).get("may_hide_beside") or ()
+    if diagnosis["verdict"] != "effect" or not hiding:
+        return ""
+    names = capitalised(listed([effect_title(key) for key in hiding], "or"))
+    return f"{names} may be there as well: the record would look the same."
 
 
 def others_of(diagnosis: Mapping[str, Any]) -> str:

@@ -91,7 +91,7 @@ def _causes(answer: Answer) -> list[str]:
 
 
 def _cannot_tell(answer: Answer) -> list[str]:
-    lines = [answer.alternatives_sentence]
+    lines = [each for each in (answer.alternatives_sentence, answer.hiding) if each]
     telling = [
         f"- {each.title}: {'; or '.join(each.told_apart_by)}" for each in answer.alternatives if each.told_apart_by
     ]

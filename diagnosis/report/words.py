@@ -12,6 +12,7 @@ from diagnosis.report.advice import (
     alternatives_sentence,
     depends_of,
     designed_of,
+    hiding_sentence,
     input_shows_of,
     next_step_of,
     others_of,
@@ -88,6 +89,7 @@ class Answer:
     closed_interval: str
     alternatives: tuple[Alternative, ...]
     alternatives_sentence: str
+    hiding: str
     others: str
     input_shows: tuple[str, ...]
     black_box: str
@@ -129,6 +131,7 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         closed_interval=percent_interval(found.get("gap_closed_interval")),
         alternatives=alternatives,
         alternatives_sentence=alternatives_sentence(diagnosis),
+        hiding=hiding_sentence(diagnosis),
         others=others_of(diagnosis),
         input_shows=input_shows_of(diagnosis),
         black_box=black_box_of(diagnosis),

@@ -69,13 +69,14 @@ def mark(kind: str, truth: Effects, diagnosis: Mapping[str, Any]) -> Mark:
     family = family_of(diagnosis)
     declared = family if len(family) <= MOST_DECLARED else family[:1]
     named = family[0] if family else ()
-    said = diagnosis["unknown_probability"] if verdict == "unknown" else probability_of(family, diagnosis)
+    with_hidden = [*family, *beside(diagnosis)]
+    said = diagnosis["unknown_probability"] if verdict == "unknown" else probability_of(with_hidden, diagnosis)
     if kind == "left-out":
         outcome = outcome_left_out(truth[0], verdict, named, said)
         is_true = outcome in ("unknown", "alias")
     else:
-        outcome = outcome_of(truth, verdict, named, declared)
-        is_true = any(set(truth) == set(each) for each in family)
+        outcome = outcome_of(truth, verdict, named, [*declared, *beside(diagnosis)][:MOST_DECLARED])
+        is_true = any(set(truth) == set(each) for each in with_hidden)
     where = diagnosis["where"]
     left_open = stages_of(declared) | set(where.get("open_stages", ()))
     return Mark(
@@ -97,9 +98,18 @@ def family_of(diagnosis: Mapping[str, Any]) -> list[Effects]:
     return [tuple(each) for each in (found["effects"], *found["indistinguishable_from"])]
 
 
+def beside(diagnosis: Mapping[str, Any]) -> list[Effects]:
+    """Return the first choice with each effect added that is said to hide beside it."""
+    if diagnosis["verdict"] != "effect":
+        return []
+    found = diagnosis["causes"][0]
+    return [(*found["effects"], key) for key in found.get("may_hide_beside", ())]
+
+
 def probability_of(family: Sequence[Effects], diagnosis: Mapping[str, Any]) -> float:
-    """Return the probability of several causes together."""
-    return sum(cause["probability"] for cause in diagnosis["causes"] if tuple(cause["effects"]) in family)
+    """Return the probability of several causes together, in whatever order of their effects."""
+    sets = [set(each) for each in family]
+    return sum(cause["probability"] for cause in diagnosis["causes"] if set(cause["effects"]) in sets)
 
 
 def outcome_of(truth: Effects, verdict: str, named: Effects, declared: Sequence[Effects]) -> str:

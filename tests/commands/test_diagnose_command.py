@@ -43,6 +43,7 @@ def test_json_keeps_the_contract(diagnosed):
     keys = {
         "effects", "probability", "parameters", "gap_after", "gap_closed", "gap_closed_interval",
         "indistinguishable_from",
+        "may_hide_beside",
     }  # fmt: skip
     for cause in content["causes"]:
         assert keys <= set(cause)

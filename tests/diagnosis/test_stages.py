@@ -37,6 +37,16 @@ def test_probabilities_of_the_stages_and_of_no_effect_sum_to_one():
     assert shares["electromagnet"] > 0.5 > shares["stem"] >= 0.2
 
 
+def test_where_a_pressure_was_measured_resemblance_is_asked_within_each_half():
+    tried = [candidate(50.0), candidate(20.0, "friction_drift"), candidate(40.0, "supply_droop")]
+    judgement = Judgement(np.zeros(3), 1.0, np.zeros(3))
+    halves = [(("electromagnet", "nozzle"), 0.9), (("stem", "sensor"), 0.1)]
+    shares = stage_probabilities(tried, judgement, halves)
+    assert shares["electromagnet"] + shares["nozzle"] == pytest.approx(0.9)
+    assert shares["nozzle"] > shares["electromagnet"]
+    assert stage_probabilities(tried, judgement)["stem"] > 0.5
+
+
 def test_stages_left_open():
     shares = {"electromagnet": 0.3, "nozzle": 0.1, "stem": 0.5, "sensor": 0.1}
     assert open_stages("unknown", shares, [("load_force",)]) == ["stem", "electromagnet"]

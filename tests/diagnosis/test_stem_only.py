@@ -77,6 +77,7 @@ def check_contract(content: dict) -> None:
         assert set(cause) == {
             "effects", "probability", "parameters", "gap_after", "gap_closed", "gap_closed_interval",
             "indistinguishable_from",
+            "may_hide_beside",
         }  # fmt: skip
         assert set(cause["parameters"]) == set(cause["effects"])
         for key, parameters in cause["parameters"].items():

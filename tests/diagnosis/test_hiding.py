@@ -1,0 +1,77 @@
+"""What hides beside a cause is said, and only what is declared to come close to none."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from diagnosis import hiding, judgement
+from diagnosis.hiding import can_hide, strongest_start, with_hidden
+from diagnosis.trials.marking import mark
+from diagnosis.trying import Candidate
+from valvemodel.effects import effect_of_key
+
+
+def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
+    weighted = np.full(12, misfit)
+    errors = SimpleNamespace(mean=misfit, weighted=weighted, counts=np.full(12, 100), signals=1)
+    experiment = SimpleNamespace(reach=np.inf)
+    model = SimpleNamespace(effects=dict.fromkeys(effects))
+    fit = SimpleNamespace(model=model, problem=SimpleNamespace(experiments=[experiment]), name="+".join(effects))
+    return Candidate(effects, fit, SimpleNamespace(misfit=misfit, free=errors, anchored=errors), trace)
+
+
+def beside(tried: list[Candidate], misfits: dict[str, float], monkeypatch) -> tuple[list[Candidate], list[str]]:
+    """What hides, where fits beside the best cause come out with these misfits by the effect that is added."""
+
+    def try_all(work, *_):
+        return [candidate(misfits[each.effects[-1]], *each.effects) for each in work]
+
+    monkeypatch.setattr(hiding, "try_all", try_all)
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    return with_hidden(tried, None, None, lambda what, share: None)
+
+
+def test_what_leaves_a_cause_as_good_as_it_is_is_said_to_hide_beside_it(monkeypatch):
+    tried = [candidate(40.0), candidate(1.0, "presliding"), candidate(39.0, "air_leak"), candidate(39.0, "coil_lag")]
+    tried.append(candidate(38.0, "linkage_backlash"))
+    causes, hiding = beside(tried, {"air_leak": 1.0, "linkage_backlash": 1.5}, monkeypatch)
+    assert hiding == ["air_leak"]
+    assert causes == tried
+
+
+def test_what_hides_in_the_base_stands_among_the_causes_at_its_strength(monkeypatch):
+    tried = [candidate(1.0), candidate(1.0, "air_leak", trace=0.0), candidate(0.99, "linkage_backlash", trace=0.1)]
+    causes, hiding = beside(tried, {"air_leak": 1.01, "linkage_backlash": 1.4}, monkeypatch)
+    assert hiding == []
+    traces = {each.effects: each.trace for each in causes}
+    assert traces == {(): 5.0, ("air_leak",): 5.0, ("linkage_backlash",): 0.1}
+
+
+def test_nothing_is_said_to_hide_where_nothing_explains_the_record(monkeypatch):
+    tried = [candidate(40.0), candidate(30.0, "presliding"), candidate(39.0, "air_leak")]
+    assert beside(tried, {"air_leak": 30.0}, monkeypatch) == (tried, [])
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [("air_leak", True), ("linkage_backlash", True), ("choked_flow", False), ("coil_lag", False)],
+)
+def test_only_effects_of_free_strength_that_come_close_to_none_can_hide(key, expected):
+    assert can_hide(effect_of_key(key)) == expected
+
+
+def test_strongest_start_would_be_felt():
+    for key in ("air_leak", "linkage_backlash", "asymmetric_friction"):
+        effect = effect_of_key(key)
+        assert any(strongest_start(effect)[each.name] != each.neutral for each in effect.parameters)
+
+
+def test_a_pair_of_which_one_is_said_to_hide_counts_as_declared():
+    cause = {
+        "effects": ["presliding"], "probability": 0.95, "indistinguishable_from": [], "may_hide_beside": ["air_leak"],
+    }  # fmt: skip
+    diagnosis = {"verdict": "effect", "where": {"stage": "stem"}, "causes": [cause], "unknown_probability": 0.05}
+    assert mark("pair", ("air_leak", "presliding"), diagnosis).outcome == "alias"
+    assert mark("pair", ("coil_lag", "presliding"), diagnosis).outcome == "partly"
+    assert mark("single", ("presliding",), diagnosis).outcome == "right"
