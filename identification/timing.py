@@ -8,7 +8,7 @@ import numpy as np
 
 from identification.adequacy import adequate
 from identification.experiment import Experiment, experiment_of
-from identification.noise import noise_level
+from identification.noise import noise_level, reading_step
 from identification.stretches import longest_stretch
 from valvemodel.records import Record
 
@@ -65,7 +65,8 @@ def answers_own_row(record: Record) -> bool:
         if signal is None:
             continue
         turn = side * (signal[steps] - 2.0 * signal[steps - 1] + signal[steps - 2])
-        error = noise_level(signal) * np.sqrt(6.0 / len(steps))
+        rounding = reading_step(signal[np.isfinite(signal)]) / np.sqrt(12.0)
+        error = float(np.hypot(noise_level(signal), rounding)) * np.sqrt(6.0 / len(steps))
         if float(np.nanmean(turn)) > CERTAINTY * error:
             return True
     return False

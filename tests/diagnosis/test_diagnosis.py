@@ -114,6 +114,16 @@ def test_rows_at_the_end_of_their_period_are_noticed() -> None:
     assert found.verdict == "none"
 
 
+@pytest.mark.parametrize("step", [2e-3, 6e-3])
+def test_coarse_readings_are_not_taken_for_readings_at_the_end_of_their_period(step: float) -> None:
+    record = record_of_plant(3, ())
+    for phase in np.linspace(0.0, step, 12, endpoint=False):
+        coarse = step * np.round((record.position - phase) / step) + phase
+        assert not answers_own_row(
+            Record.from_arrays(name="coarse", time=record.time, current=record.current, position=coarse)
+        )
+
+
 def test_held_out_samples_are_not_fitted() -> None:
     holdout = hold_out([experiment_of(record_of_plant(3, ()))])
     assert not np.any(holdout.fitted[0] & holdout.scored[0])

@@ -14,10 +14,12 @@ from valvemodel.records import read_record
 from valvemodel.valves import read_valve
 
 
-def fits_to_plant(seed: int, key: str, folder: Path) -> tuple[Plant, Fit, Fit]:
+def fits_to_plant(
+    seed: int, key: str, folder: Path, *, profile: int | None = None, nuisance: bool = False
+) -> tuple[Plant, Fit, Fit]:
     """Return a plant with an effect, and the fits to its record without the effect and with it."""
-    plant, path = draw_plant(seed, (key,)), folder / "record.csv"
-    write_record(path, measure(plant, seed + 7))
+    plant, path = draw_plant(seed, (key,), nuisance=nuisance), folder / "record.csv"
+    write_record(path, measure(plant, seed + 7 if profile is None else profile))
     experiments, _ = experiments_of([read_record(path)])
     holdout = hold_out(experiments)
     valve = read_valve("calibrated")

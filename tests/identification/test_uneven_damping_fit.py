@@ -1,0 +1,14 @@
+"""A blind valve that is damped much less one way, so that it overshoots, is explained to the noise."""
+
+from blind_fits import fits_to_plant
+
+
+def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way(tmp_path):
+    key = "asymmetric_viscous_friction"
+    plant, base, found = fits_to_plant(1462683686, key, tmp_path, profile=1557603759, nuisance=True)
+    damping, factor = plant.base["viscous_friction"], 1.0 + plant.effects[0].parameters["excess"]
+    assert plant.effects[0].formulation == "both_sides"
+    high, low = damping * factor, damping / factor**0.5
+    assert base.found.error > 5.0 * base.problem.noise_error
+    assert found.found.error < 1.1 * found.problem.noise_error
+    assert abs(found.model.effects[key]["viscous_asymmetry"] - (high - low) / (high + low)) < 0.03
