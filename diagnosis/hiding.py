@@ -51,10 +51,10 @@ def with_hidden(
     best = tried[int(np.argmax(judgement.probabilities))]
     if len(best.effects) > 1 or not explains(best, tried[0]) or judgement.unknown > judgement.probabilities.max():
         return list(tried), []
-    weak = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
+    unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
     work = [
         Work(best.fit, (*best.effects, key), False, strongest_start(effect_of_key(key)), is_known=True)
-        for key in weak
+        for key in unfelt
         if can_hide(effect_of_key(key)) and key not in best.effects
     ]
     found = try_all(work, holdout, pool, progress, "what may hide")

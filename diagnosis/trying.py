@@ -99,13 +99,8 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
             extended = extend_from(work.fit, key, work.known)
         else:
             extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global)
-        score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
-        return Candidate(work.effects, extended, score, trace, freedom_of(work.effects))
-
-
-def freedom_of(effects: tuple[str, ...]) -> int:
-    """Return the number of the free parameters of effects."""
-    return sum(len(effect_of_key(key).fitted) for key in effects)
+        freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
+        return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from identification.experiment import simulate_rows
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
+from identification.search import descend
+from identification.unknowns import OF_GAP
 
 RAMPED = 0.02
 """Change of the pressure within a period, over its range, below which the force at breakaway is known."""
@@ -143,10 +145,13 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     """Lay the line of spring, gap and breakaway force through breakaways, from a scaled point on.
 
     At breakaway S_1 P - k y is the breakaway force, under a pressure that two samples enclose. That needs no run of the
-    stem and has one minimum, however jagged the error of the stem's run is.
+    stem and has one minimum, however jagged the error of the stem's run is. The gap stays where a pressure tells it.
     """
-    names = [unknown.name for unknown in breakaways.problem.unknowns]
-    columns = np.array([names.index(name) for name in LINE if name in names])
+    problem = breakaways.problem
+    names, told = [unknown.name for unknown in problem.unknowns], told_by_pressure(problem)
+    columns = np.array([names.index(name) for name in LINE if name in names and names.index(name) not in told])
+    if told:
+        point = seen_by_pressure(problem, point, told)
     is_ramped = breakaways.is_ramped(point)
 
     def middles(points: np.ndarray) -> np.ndarray:
@@ -158,6 +163,20 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     begun = _laid(middles, breakaways.problem, point, columns)
     found = _laid(all_of, breakaways.problem, begun, columns)
     return Line(found, columns, breakaways.slack(found, columns))
+
+
+def told_by_pressure(problem: Problem) -> list[int]:
+    """Return which unknowns a measured pressure tells by itself; none where there is no pressure."""
+    return [n for n, unknown in enumerate(problem.unknowns) if problem.has_pressure and unknown.name in OF_GAP]
+
+
+def seen_by_pressure(problem: Problem, point: np.ndarray, told: list[int]) -> np.ndarray:
+    """Return a scaled point with the numbers that the pressure tells fitted to it alone, whatever the stem does."""
+    blind = [replace(experiment, noise=np.inf) for experiment in problem.experiments]
+    front = replace(problem, experiments=blind, unknowns=[problem.unknowns[n] for n in told])
+    point = point.copy()
+    point[told] = descend(front, point[told], evaluations=15, precision=1e-5).point
+    return point
 
 
 def _laid(

@@ -104,6 +104,11 @@ class Problem:
         return settles_in_closed_form(self.model)
 
     @property
+    def has_pressure(self) -> bool:
+        """Whether a pressure was measured in any of the experiments."""
+        return any(experiment.pressure is not None for experiment in self.experiments)
+
+    @property
     def prior_spreads(self) -> np.ndarray:
         """Standard deviations of the weak priors, scaled."""
         return np.array([unknown.prior_spread for unknown in self.unknowns])

@@ -60,7 +60,7 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
     problem : Problem
     points : array, shape (p, unknowns)
     """
-    if any(experiment.pressure is not None for experiment in problem.experiments):
+    if problem.has_pressure:
         residuals = problem.residuals(points)
         return 0.5 * np.einsum("pr,pr->p", residuals, residuals)
     sums = ((points / problem.prior_spreads) ** 2).sum(axis=1)

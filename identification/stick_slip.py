@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from identification.breakaway import Line, breakaways_of, line_through
+from identification.breakaway import Line, breakaways_of, line_through, told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
@@ -157,8 +157,13 @@ def error_at_rests(problem: Problem, point: np.ndarray) -> float:
 
 def on_rests(problem: Problem) -> Problem:
     """Return the problem whose runs are put anew on each rest: each slip is judged by itself."""
-    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
+    rested = [put_on_rests(experiment, REACH) for experiment in of_positions(problem).experiments]
     return replace(problem, experiments=rested, is_anchored=True)
+
+
+def of_positions(problem: Problem) -> Problem:
+    """Return the problem without measured pressures, on which the numbers that are searched do not act."""
+    return replace(problem, experiments=[replace(each, pressure=None) for each in problem.experiments])
 
 
 def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray) -> SlipSearch:
@@ -177,34 +182,36 @@ def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray
         widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
     widths.append((-DAMPING, DAMPING))
     centre = starts[0].copy()
-    # What the line leaves open is as it was given: a fit without the effect misleads.
+    # What neither line nor pressure tells is as it was given: a fit without the effect misleads.
     centre[[number for number, name in enumerate(names) if name in problem.model.values]] = 0.0
-    centre[line.columns] = line.point[line.columns]
+    known = [*line.columns, *told_by_pressure(problem)]
+    centre[known] = line.point[known]
     centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
     centre[ratio] = problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0])))
     centre[friction] -= np.log(problem.unknowns[ratio].value(centre[ratio]))
     box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
+    rested = on_rests(problem)
     found = roam_through(
-        on_rests(problem),
+        rested,
         partial(slips.points_of, centre),
         box,
         size=SIZE,
         generations=GENERATIONS,
-        enough=problem.noise_error,
+        enough=rested.noise_error,
     )
     return SlipSearch(slips, box, found)
 
 
 def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
     """Search for the numbers of another form of an effect, beside those of the first."""
-    slips = replace(begun.slips, problem=problem)
+    slips, rested = replace(begun.slips, problem=problem), on_rests(problem)
     found = roam_through(
-        on_rests(problem),
+        rested,
         partial(slips.points_of, begun.found.point),
         [(KINDRED * low, KINDRED * high) for low, high in begun.box],
         size=KINDRED_SIZE,
         generations=KINDRED_GENERATIONS,
-        enough=problem.noise_error,
+        enough=rested.noise_error,
         start=np.zeros(len(begun.box)),
     )
     return SlipSearch(slips, begun.box, found)
@@ -219,16 +226,17 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
     for each in begun:
         if each.found.error > CLOSE * begun[0].found.error:
             break
-        problem = each.slips.problem
-        searched.append((each, search_beside(each, each.found.point, on_rests(problem), AT_RESTS)))
-        if searched[-1][1].error <= AT_NOISE**2 * problem.noise_error:
+        rested = on_rests(each.slips.problem)
+        searched.append((each, search_beside(each, each.found.point, rested, AT_RESTS)))
+        if searched[-1][1].error <= AT_NOISE**2 * rested.noise_error:
             break
     slip, at_rests = min(searched, key=lambda pair: pair[1].error)
     problem = slip.slips.problem
-    tempered = replace(problem, experiments=[replace(each, reach=REACH) for each in problem.experiments])
+    seen = of_positions(problem)
+    tempered = replace(seen, experiments=[replace(each, reach=REACH) for each in seen.experiments])
     anchored, free = replace(tempered, is_anchored=True), replace(tempered, is_anchored=False)
     found = [at_rests, search_beside(slip, at_rests.point, anchored, ANCHORED)]
-    if found[-1].error < LAWFUL * problem.noise_error:
+    if found[-1].error < LAWFUL * seen.noise_error:
         found.append(search_beside(slip, found[-1].point, free, FREE))
 
     def misfit(point: np.ndarray) -> float:

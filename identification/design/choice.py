@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from identification.determined.structure import own_name, product
+from identification.unknowns import OF_GAP
 from valvemodel.base_valve import BASE_PARAMETERS, FITTED_BASE
 from valvemodel.effects import effect_of_key
 from valvemodel.equations.symmetries import GROUPS
@@ -37,7 +38,7 @@ def chosen_parameters(text: str, model: Model) -> list[str]:
     """
     fitted = [each.name for each in FITTED_BASE]
     if model.values["pressure_per_current"] > 0.0:
-        fitted = [name for name in fitted if name not in ("gap_offset", "gap_gain")]
+        fitted = [name for name in fitted if name not in OF_GAP]
     for key in model.effects:
         fitted += [each.name for each in effect_of_key(key).fitted]
     names: list[str] = []

@@ -23,10 +23,10 @@ from valvemodel.records import Record
 NOISE = 1e-4
 
 
-def plant_and_base(given, seed: int, key: str):
+def plant_and_base(given, seed: int, key: str, *, with_pressure: bool = False):
     """Return a blind plant, what is held out of its record, and the base valve fitted to the rest."""
     plant = draw_plant(seed, (key,))
-    record = Record.from_arrays(name="plant", **measure(plant, seed + 7))
+    record = Record.from_arrays(name="plant", **measure(plant, seed + 7, with_pressure=with_pressure))
     holdout = hold_out([replace(experiment_of(record), reach=REACH)])
     return plant, holdout, fit_base(given, holdout.experiments, holdout.fitted)
 
@@ -100,6 +100,15 @@ def test_falling_friction_is_explained(falling):
     assert after.misfit < 1.5
     ratio = 1.0 + plant.effects[0].parameters["static_excess"]
     assert found.model.effects["stribeck"]["stribeck_ratio"] == pytest.approx(ratio, abs=0.06)
+
+
+def test_a_measured_pressure_tells_the_gap_whatever_the_stem_does(given):
+    plant, holdout, base = plant_and_base(given, 9102, "stribeck", with_pressure=True)
+    line = line_of_stairs(base.problem, base.found.point)
+    found = base.problem.values(line.point)
+    for name in ("supply_pressure", "gap_offset", "gap_gain"):
+        assert found[name] == pytest.approx(plant.base[name], rel=2e-3)
+    assert score_fit(extend(base, "stribeck"), holdout).misfit < 1.3
 
 
 def test_static_friction_of_bonds_is_explained(sticking):
