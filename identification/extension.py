@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.hints import starts_of
+from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.search import Found, descend, errors, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
@@ -106,7 +107,7 @@ def extended(
         problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
         groups = [trials] if effect.is_jagged else alike(effect, trials)
-        problem, best = min((followed(fit, group) for group in groups), key=lambda pair: pair[1].error)
+        problem, best = min((followed(fit, effect, group) for group in groups), key=lambda pair: pair[1].error)
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
@@ -116,7 +117,7 @@ def extended(
 def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
     effect = effect_of_key(key)
-    problem, best = followed(fit, [Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)])
+    problem, best = followed(fit, effect, [Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)])
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
@@ -148,10 +149,15 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
-def followed(fit: Fit, group: list[Trial]) -> tuple[Problem, Found]:
+def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
-    starts = [(trial.problem, trial.point) for trial in group[:KEPT_STARTS]]
+    kept = group[:KEPT_STARTS]
+    starts = [(trial.problem, trial.point) for trial in kept]
     starts.append((group[0].problem, as_given(fit, group[0])))
+    if makes_pressure(effect):
+        for trial in kept:
+            begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
+            starts.append((trial.problem, descend(trial.problem, begun, evaluations=15, precision=1e-3).point))
     return best_descended(starts, first=5, further=10, precision=1e-3)
 
 
