@@ -151,14 +151,29 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
-    kept = group[:KEPT_STARTS]
+    kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in kept]
-    starts.append((group[0].problem, as_given(fit, group[0])))
+    starts += [(trial.problem, as_given(fit, trial)) for trial in [group[0], *others]]
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
             starts.append((trial.problem, descend(trial.problem, begun, evaluations=15, precision=1e-3).point))
     return best_descended(starts, first=5, further=10, precision=1e-3)
+
+
+def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
+    """Return the most promising start of another form than the first one, if there is one.
+
+    A form is what of the effect acts: a lag alone, for one, or two in series.
+    """
+    forms = [neutral_in(effect, trial) for trial in group]
+    return [trial for trial, form in zip(group, forms, strict=True) if form != forms[0]][:1]
+
+
+def neutral_in(effect: Effect, trial: Trial) -> frozenset[str]:
+    """Return the parameters of an effect that do not act at a start."""
+    values = trial.problem.model.effects[effect.key]
+    return frozenset(each.name for each in effect.parameters if values[each.name] == each.neutral)
 
 
 def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:

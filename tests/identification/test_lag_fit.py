@@ -13,3 +13,14 @@ def test_lag_of_either_order_is_explained_to_the_noise(seed, order, tmp_path):
     numbers = found.model.effects["sensor_lag"]
     total = numbers["sensor_time_constant"] + numbers["sensor_second_time_constant"]
     assert total == pytest.approx(plant.effects[0].parameters["time_constant"], rel=0.05)
+
+
+def test_a_second_lag_is_found_where_the_base_valve_made_up_for_the_first_by_mass_and_damping(tmp_path):
+    seed, profile = 1785193381, 946444716
+    plant, base, found = fits_to_plant(seed, "sensor_lag", tmp_path, profile=profile, nuisance=True)
+    assert plant.effects[0].formulation == "second_order"
+    assert base.model.values["stem_mass"] > 5.0 * plant.base["stem_mass"]
+    assert found.found.error < 1.05 * found.problem.noise_error
+    numbers = found.model.effects["sensor_lag"]
+    lag = numbers["sensor_time_constant"] + numbers["sensor_second_time_constant"]
+    assert lag == pytest.approx(plant.effects[0].parameters["time_constant"], rel=0.01)
