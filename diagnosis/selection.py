@@ -54,8 +54,9 @@ ALIAS_ROUNDS = 2
 AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
-EXPLAINS_MUCH = 0.75
-"""Share of the base's squared error below which a cause must come whose runs take long."""
+EXPLAINS_MUCH, EXPLAINS_SOME = 0.5, 0.75
+"""Share of the base's squared error below which a cause must come whose runs take long for others to be tried on top of
+it, and for it to be tried on top of others."""
 
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
@@ -136,7 +137,7 @@ def extensions(
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
     known = {frozenset(each.effects) for each in tried}
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
-    worth = [each for each in better if is_worth_its_time(each, tried[0])]
+    worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if not effect_of_key(key).fitted]
@@ -201,10 +202,10 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     return list(work.values())
 
 
-def is_worth_its_time(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether more is tried on top of a cause: where its runs take long, only if it explains much."""
+def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPLAINS_MUCH) -> bool:
+    """Return whether a cause is tried together with more: where its runs take long, only if it explains so much."""
     takes_long = any(effect_of_key(key).takes_long for key in candidate.effects)
-    return not takes_long or misfit(candidate) < EXPLAINS_MUCH * misfit(base)
+    return not takes_long or misfit(candidate) < share * misfit(base)
 
 
 def is_quick(key: str) -> bool:

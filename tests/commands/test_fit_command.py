@@ -11,6 +11,7 @@ import pytest
 BASE = {
     "stem_mass": "kg",
     "spring_rate": "N/m",
+    "supply_pressure": "Pa",
     "viscous_friction": "N*s/m",
     "coulomb_friction": "N",
     "gap_offset": "m",
@@ -56,6 +57,7 @@ def test_known_numbers_come_back(command, made_up, tmp_path):
         assert isinstance(each["at_bound"], bool)
     assert content["parameters"]["spring_rate"]["value"] == pytest.approx(60000.0, rel=0.02)
     assert content["parameters"]["coulomb_friction"]["value"] == pytest.approx(1700.0, rel=0.02)
+    assert content["parameters"]["supply_pressure"]["value"] == pytest.approx(3e5, rel=0.01)
     assert content["rms"]["unit"] == "m"
     assert content["rms"]["fitted"] == pytest.approx(1e-4, rel=0.3)
     assert content["rms"]["unseen"] == pytest.approx(1e-4, rel=0.3)

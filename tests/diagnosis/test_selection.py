@@ -63,7 +63,7 @@ def test_causes_that_differ_by_aliases(effects, others, expected):
     assert differ_by_aliases(others, effects) == expected
 
 
-@pytest.mark.parametrize(("misfit", "key", "expected"), [(14.0, "presliding", True), (16.0, "presliding", False),
+@pytest.mark.parametrize(("misfit", "key", "expected"), [(9.0, "presliding", True), (11.0, "presliding", False),
                                                           (19.0, "coil_lag", True)])  # fmt: skip
 def test_slow_effects_must_explain_much_to_be_built_upon(misfit, key, expected):
     assert is_worth_its_time(candidate(misfit, key), candidate(20.0)) == expected
