@@ -69,13 +69,14 @@ def mark(kind: str, truth: Effects, diagnosis: Mapping[str, Any]) -> Mark:
     family = family_of(diagnosis)
     declared = family if len(family) <= MOST_DECLARED else family[:1]
     named = family[0] if family else ()
-    with_hidden = [*family, *beside(diagnosis)]
+    hidden = beside(diagnosis)
+    with_hidden = [*family, *hidden]
     said = diagnosis["unknown_probability"] if verdict == "unknown" else probability_of(with_hidden, diagnosis)
     if kind == "left-out":
         outcome = outcome_left_out(truth[0], verdict, named, said)
         is_true = outcome in ("unknown", "alias")
     else:
-        outcome = outcome_of(truth, verdict, named, [*declared, *beside(diagnosis)][:MOST_DECLARED])
+        outcome = outcome_of(truth, verdict, named, [*declared, *hidden][:MOST_DECLARED])
         is_true = any(set(truth) == set(each) for each in with_hidden)
     where = diagnosis["where"]
     left_open = stages_of(declared) | set(where.get("open_stages", ()))
