@@ -44,6 +44,15 @@ ANSWER = 0.5
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
 
+LITTLE_LEFT = 1.1
+"""Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
+
+FIRST_LOOK, FIRST_LOOK_OF_BRISTLES = 6, 8
+"""Points of a search while starts are compared, and where the error has more minima."""
+
+QUICK_LOOK, FURTHER_LOOK = 3, 2
+"""Steps of a search on which its derivatives serve, while starts are compared and while the best is followed."""
+
 SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
@@ -152,13 +161,16 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
+    if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
+        return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     starts = [(trial.problem, trial.point) for trial in kept]
     starts += [(trial.problem, as_given(fit, trial)) for trial in [group[0], *others]]
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
             starts.append((trial.problem, descend(trial.problem, begun, evaluations=15, precision=1e-3).point))
-    return best_descended(starts, first=5, further=10, precision=1e-3)
+    first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
+    return best_descended(starts, first=first, further=10, precision=1e-3)
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
@@ -189,9 +201,12 @@ def best_descended(
     starts: list[tuple[Problem, np.ndarray]], *, first: int, further: int, precision: float
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
-    begun = [(problem, descend(problem, point, evaluations=first, precision=1e-3)) for problem, point in starts]
+    begun = [
+        (problem, descend(problem, point, evaluations=first, precision=1e-3, renewed=QUICK_LOOK))
+        for problem, point in starts
+    ]
     problem, best = min(begun, key=lambda pair: pair[1].error)
-    return problem, descend(problem, best.point, evaluations=further, precision=precision)
+    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=FURTHER_LOOK)
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:

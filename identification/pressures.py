@@ -7,11 +7,12 @@ import numpy as np
 from identification.experiment import Experiment, simulate_rows
 from identification.problem import Problem
 from valvemodel.declarations import Effect
+from valvemodel.effects import effect_of_key
 
 GAP = ("gap_offset", "gap_gain")
 """The numbers of the gap: another law of the pressure takes others."""
 
-LEVELS, HOLD, LIGHT = 9, 100.0, 1e3
+LEVELS, HOLD, LIGHT = 9, 1.0, 1e3
 """Currents at which pressures are compared, how long each is held [s], and the pressure that counts as 1 [Pa]."""
 
 MOST_EVALUATIONS = 30
@@ -63,7 +64,7 @@ def with_pressures_of(fitted: Problem, found: np.ndarray, problem: Problem, poin
 
 
 def pressures_at_rest(problem: Problem, point: np.ndarray, currents: np.ndarray) -> np.ndarray:
-    """Return the pressures to which currents settle at a scaled point, shape (n,). [Pa]"""
+    """Return the pressures to which currents settle at a scaled point, shape (n,), but for what acts in time. [Pa]"""
     count = len(currents)
     held = Experiment(
         name="at rest",
@@ -76,4 +77,7 @@ def pressures_at_rest(problem: Problem, point: np.ndarray, currents: np.ndarray)
         block=np.zeros(count + 1, int),
     )
     rows = problem.rows(point[None, :], 0)
+    for effect in (effect_of_key(key) for key in problem.model.effects):
+        for parameter in effect.parameters if effect.acts_in_time else ():
+            rows[parameter.name] = parameter.neutral
     return np.asarray(simulate_rows(held, rows, tolerance=problem.tolerance, with_pressure=True).pressure[0, 1:])

@@ -122,15 +122,17 @@ class Problem:
         )
         return 0.5 * signals
 
-    def jacobian(self, point: np.ndarray) -> np.ndarray:
-        """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns)."""
+    def jacobian(self, point: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
+        """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns).
+
+        Where the residuals there are known, shape (r,), they are not computed again.
+        """
         count = len(point)
         steps = np.full(count, DIFFERENCE)
         upper = np.array([unknown.bounds[1] for unknown in self.unknowns])
         steps[point + steps > upper] *= -1.0
-        points = np.vstack([point, point + np.diag(steps)])
-        residuals = self.residuals(points)
-        return ((residuals[1:] - residuals[0]) / steps[:, None]).T
+        here = self.residuals(point[None, :])[0] if known is None else known
+        return ((self.residuals(point + np.diag(steps)) - here) / steps[:, None]).T
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

@@ -32,16 +32,64 @@ class Found:
     error: float
 
 
-def descend(problem: Problem, start: np.ndarray, *, evaluations: int = 25, precision: float = 1e-6) -> Found:
-    """Follow the residuals down from a start (trust-region reflective, scipy)."""
+class Slopes:
+    """Residuals of a problem and their derivative on the way of a search.
+
+    The derivative is taken by differences, which costs a run for each unknown, at the first of so many points; at the
+    others it is what it was, bent to the change of the residuals on the way (Broyden 1965).
+    """
+
+    def __init__(self, problem: Problem, renewed: int) -> None:
+        self.problem, self.renewed, self.asked = problem, renewed, 0
+        self.known: dict[bytes, np.ndarray] = {}
+        self.last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def residuals(self, point: np.ndarray) -> np.ndarray:
+        """Return the residuals at a scaled point, shape (r,)."""
+        self.known[point.tobytes()] = residual = self.problem.residuals(point[None, :])[0]
+        return residual
+
+    def jacobian(self, point: np.ndarray) -> np.ndarray:
+        """Return the derivative of the residuals at a scaled point where they were asked for, shape (r, unknowns)."""
+        residual = self.known[point.tobytes()]
+        if self.last is None or self.asked % self.renewed == 0:
+            slopes = self.problem.jacobian(point, residual)
+        else:
+            before, residual_before, slopes = self.last
+            move = point - before
+            missed = residual - residual_before - slopes @ move
+            slopes = slopes + np.outer(missed, move / (move @ move))
+        self.asked += 1
+        self.known = {point.tobytes(): residual}
+        self.last = (point.copy(), residual, slopes)
+        return slopes
+
+
+def descend(
+    problem: Problem, start: np.ndarray, *, evaluations: int = 25, precision: float = 1e-6, renewed: int = 1
+) -> Found:
+    """Follow the residuals down from a start (trust-region reflective, scipy).
+
+    Parameters
+    ----------
+    problem : Problem
+    start : array, shape (unknowns,)
+    evaluations : int
+        Points at most.
+    precision : float
+        Share of the error below which a step's gain ends the search.
+    renewed : int
+        After how many steps the derivative is taken by differences again: 1 is always, more is a quick first look.
+    """
     from scipy.optimize import least_squares
 
     low, high = problem.bounds
     inside = np.clip(start, low + 1e-9, high - 1e-9)
+    slopes = Slopes(problem, renewed)
     result = least_squares(
-        lambda point: problem.residuals(point[None, :])[0],
+        slopes.residuals,
         inside,
-        jac=problem.jacobian,
+        jac=slopes.jacobian,
         bounds=(low, high),
         max_nfev=evaluations,
         ftol=precision,
