@@ -35,6 +35,10 @@ UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 0.7, 0.033, -1.2
 """What an effect outside the library would leave, as a squared error beyond the noise and as a share of the base's:
 a cause that leaves less is believed before an unknown one; and the log prior of that."""
 
+SUREST_UNKNOWN = 0.8
+"""Most that an unknown cause is given: a search may have missed the best fit, a known effect may follow another law.
+Of 22 blind valves of our own that were called unknown, 17 were."""
+
 COST_STOPS = 10.0
 """Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that."""
 
@@ -97,9 +101,10 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     reached = before[int(np.argmax(support))]
     expected = (UNKNOWN_NOTICE + unknown_form * reached) / (NOTICE + (1.0 + form) * reached)
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
-    weights = np.exp(np.append(support, unknown) - max(support.max(), unknown))
-    weights /= weights.sum()
-    return Judgement(weights[:-1], float(weights[-1]), evidence)
+    named = np.exp(support - support.max())
+    share = 1.0 / (1.0 + math.exp(min(support.max() + math.log(named.sum()) - unknown, 700.0)))
+    share = min(share, SUREST_UNKNOWN)
+    return Judgement((1.0 - share) * named / named.sum(), share, evidence)
 
 
 def sharpness_of(base: Score) -> float:

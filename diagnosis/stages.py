@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from diagnosis.judgement import Judgement
+from diagnosis.judgement import SUREST_UNKNOWN, Judgement
 from diagnosis.trying import Candidate
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
@@ -37,11 +37,14 @@ def stage_probabilities(
         cause resembles is only asked within a part.
     """
     hints = resemblance(candidates)
-    shares = {stage: judgement.unknown * hint for stage, hint in hints.items()}
+    # Where nothing explains the gap, that a search may have missed it says nothing for the stage of what came nearest.
+    unknown = judgement.unknown if judgement.unknown < SUREST_UNKNOWN else 1.0
+    shares = {stage: unknown * hint for stage, hint in hints.items()}
     for stages, share in measured:
         within = sum(hints[stage] for stage in stages)
-        shares |= {stage: judgement.unknown * share * hints[stage] / within for stage in stages}
-    for candidate, probability in zip(candidates, judgement.probabilities, strict=True):
+        shares |= {stage: unknown * share * hints[stage] / within for stage in stages}
+    named = judgement.probabilities * (1.0 - unknown) / (1.0 - judgement.unknown)
+    for candidate, probability in zip(candidates, named, strict=True):
         for key in candidate.effects:
             shares[effect_of_key(key).stage] += float(probability) / len(candidate.effects)
     return shares
