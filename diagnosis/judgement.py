@@ -13,7 +13,7 @@ from diagnosis.selection import explains, stops_seen
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
-SHARPNESS = 5.0
+SHARPNESS = 4.5
 """Power of the error by which a cause loses to one with less: models are never right to the last sample."""
 
 NOTICE = 0.35

@@ -37,14 +37,16 @@ def stage_probabilities(
         cause resembles is only asked within a part.
     """
     hints = resemblance(candidates)
-    # Where nothing explains the gap, that a search may have missed it says nothing for the stage of what came nearest.
-    unknown = judgement.unknown if judgement.unknown < SUREST_UNKNOWN else 1.0
+    is_explained = judgement.unknown < SUREST_UNKNOWN
+    unknown = judgement.unknown if is_explained else 1.0
     shares = {stage: unknown * hint for stage, hint in hints.items()}
     for stages, share in measured:
         within = sum(hints[stage] for stage in stages)
         shares |= {stage: unknown * share * hints[stage] / within for stage in stages}
-    named = judgement.probabilities * (1.0 - unknown) / (1.0 - judgement.unknown)
-    for candidate, probability in zip(candidates, named, strict=True):
+    if not is_explained:
+        # That a search may have missed the cause says nothing for the stage of what came nearest.
+        return shares
+    for candidate, probability in zip(candidates, judgement.probabilities, strict=True):
         for key in candidate.effects:
             shares[effect_of_key(key).stage] += float(probability) / len(candidate.effects)
     return shares
