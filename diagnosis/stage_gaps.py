@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment
 from identification.fit import Fit, finished, measured, simulate_model
+from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import Problem
 from identification.search import descend
 from identification.unknowns import OF_GAP
@@ -111,27 +112,21 @@ def stage_gaps(experiments: Sequence[Experiment], base: Fit) -> StageGaps:
 
 
 def front_of(experiments: Sequence[Experiment], base: Fit) -> Fit:
-    """Fit electromagnet and nozzle to the measured pressure alone."""
-    weightless = [replace(experiment, noise=np.inf) for experiment in experiments]
+    """Fit electromagnet and nozzle to the measured pressure alone, from where the fit of the whole has them."""
     used = [np.isfinite(np.asarray(experiment.pressure)) for experiment in experiments]
-    return refitted(base, base.model, weightless, used, is_front=True)
+    problem = Problem(base.model, experiments, base.unknowns, used)
+    told = told_by_pressure(problem)
+    if not told:
+        return finished(replace(problem, unknowns=[]), replace(base.found, point=np.empty(0)))
+    return finished(*seen_by_pressure(problem, base.found.point, told))
 
 
 def back_of(driven: Sequence[Experiment], base: Fit) -> Fit:
-    """Fit stem and sensor to the position, the pressure given."""
-    return refitted(base, stem_alone(base.model), driven, measured(driven), is_front=False)
-
-
-def refitted(
-    base: Fit, model: Model, experiments: Sequence[Experiment], used: Sequence[np.ndarray], *, is_front: bool
-) -> Fit:
-    """Fit the unknowns of one half of the chain, from where the fit of the whole has them."""
-    kept = [number for number, each in enumerate(base.unknowns) if (each.name in OF_GAP) == is_front]
-    problem = Problem(model, experiments, [base.unknowns[number] for number in kept], used)
-    point = base.found.point[kept]
-    if not kept:
-        return finished(problem, replace(base.found, point=point))
-    return finished(problem, descend(problem, point, evaluations=15, precision=1e-5))
+    """Fit stem and sensor to the position, the pressure given, from where the fit of the whole has them."""
+    kept = [number for number, each in enumerate(base.unknowns) if each.name not in OF_GAP]
+    unknowns = [base.unknowns[number] for number in kept]
+    problem = Problem(stem_alone(base.model), driven, unknowns, measured(driven))
+    return finished(problem, descend(problem, base.found.point[kept], evaluations=15, precision=1e-5))
 
 
 def stem_alone(model: Model) -> Model:

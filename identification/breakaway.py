@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from identification.experiment import simulate_rows
+from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
-from identification.search import descend
-from identification.unknowns import OF_GAP
+from identification.unknowns import GAP
 
 RAMPED = 0.02
 """Change of the pressure within a period, over its range, below which the force at breakaway is known."""
@@ -26,7 +26,7 @@ FAR = 3.0
 TO_THE_MIDDLE = 0.02
 """Weight of the middle between the pressures that enclose a breakaway: where all is enclosed, it decides."""
 
-LINE = ("spring_rate", "coulomb_friction", "gap_offset", "gap_gain")
+LINE = ("spring_rate", "coulomb_friction", *GAP)
 """Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
 
 
@@ -151,7 +151,8 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     names, told = [unknown.name for unknown in problem.unknowns], told_by_pressure(problem)
     columns = np.array([names.index(name) for name in LINE if name in names and names.index(name) not in told])
     if told:
-        point = seen_by_pressure(problem, point, told)
+        point = point.copy()
+        point[told] = seen_by_pressure(problem, point, told)[1].point
     is_ramped = breakaways.is_ramped(point)
 
     def middles(points: np.ndarray) -> np.ndarray:
@@ -163,20 +164,6 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     begun = _laid(middles, breakaways.problem, point, columns)
     found = _laid(all_of, breakaways.problem, begun, columns)
     return Line(found, columns, breakaways.slack(found, columns))
-
-
-def told_by_pressure(problem: Problem) -> list[int]:
-    """Return which unknowns a measured pressure tells by itself; none where there is no pressure."""
-    return [n for n, unknown in enumerate(problem.unknowns) if problem.has_pressure and unknown.name in OF_GAP]
-
-
-def seen_by_pressure(problem: Problem, point: np.ndarray, told: list[int]) -> np.ndarray:
-    """Return a scaled point with the numbers that the pressure tells fitted to it alone, whatever the stem does."""
-    blind = [replace(experiment, noise=np.inf) for experiment in problem.experiments]
-    front = replace(problem, experiments=blind, unknowns=[problem.unknowns[n] for n in told])
-    point = point.copy()
-    point[told] = descend(front, point[told], evaluations=15, precision=1e-5).point
-    return point
 
 
 def _laid(

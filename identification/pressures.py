@@ -1,21 +1,34 @@
-"""Pressures at rest: the gap at which another law of the pressure gives those of a fit."""
+"""Pressures: what a measured one tells by itself, and the gap at which another law gives those at rest of a fit."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from identification.experiment import Experiment, simulate_rows
 from identification.problem import Problem
+from identification.search import Found, descend
+from identification.unknowns import GAP, OF_GAP
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
-
-GAP = ("gap_offset", "gap_gain")
-"""The numbers of the gap: another law of the pressure takes others."""
 
 LEVELS, HOLD, LIGHT = 9, 1.0, 1e3
 """Currents at which pressures are compared, how long each is held [s], and the pressure that counts as 1 [Pa]."""
 
 MOST_EVALUATIONS = 30
+
+
+def told_by_pressure(problem: Problem) -> list[int]:
+    """Return which unknowns a measured pressure tells by itself; none where there is no pressure."""
+    return [n for n, unknown in enumerate(problem.unknowns) if problem.has_pressure and unknown.name in OF_GAP]
+
+
+def seen_by_pressure(problem: Problem, point: np.ndarray, told: list[int]) -> tuple[Problem, Found]:
+    """Fit the unknowns that the pressure tells, whose numbers are given, to it alone, whatever the stem does."""
+    blind = [replace(experiment, noise=np.inf) for experiment in problem.experiments]
+    front = replace(problem, experiments=blind, unknowns=[problem.unknowns[n] for n in told])
+    return front, descend(front, point[told], evaluations=15, precision=1e-5)
 
 
 def makes_pressure(effect: Effect) -> bool:

@@ -16,7 +16,10 @@ START_SPREAD = 0.02
 """A start position is looked for within a few of these about the first reading. [m]"""
 
 
-OF_GAP = ("gap_offset", "gap_gain", "supply_pressure")
+GAP = ("gap_offset", "gap_gain")
+"""Base parameters of the gap."""
+
+OF_GAP = (*GAP, "supply_pressure")
 """Base parameters that a valve with an affine map of current to pressure does without."""
 
 FREE_RANGE = 2.5
