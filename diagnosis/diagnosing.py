@@ -23,7 +23,7 @@ from diagnosis.score import Errors, closed_interval, closed_share, errors_of, sc
 from diagnosis.selection import library_for, select
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import open_stages, stage_probabilities
-from diagnosis.stairs import on_stairs
+from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.trying import Candidate, workers
 from diagnosis.where import Where, where_of
 from identification.experiment import Experiment
@@ -258,7 +258,12 @@ def diagnose(
     experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        tried, hiding = with_hidden(select(first, holdout, library, pool, progress), holdout, pool, progress)
+        tried = select(first, holdout, library, pool, progress)
+        if seen := stairs_beside(tried, experiments, model):
+            experiments, holdout, base = seen
+            first = Candidate((), base, score_fit(base, holdout))
+            tried = select(first, holdout, library, pool, progress)
+        tried, hiding = with_hidden(tried, holdout, pool, progress)
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)

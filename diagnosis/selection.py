@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.extension import screened
@@ -57,6 +58,10 @@ AT_NOISE = 1.05
 EXPLAINS_MUCH, EXPLAINS_SOME = 0.5, 0.75
 """Share of the base's squared error below which a cause must come whose runs take long for others to be tried on top of
 it, and for it to be tried on top of others."""
+
+NO_GAIN, FAR_BEHIND = 0.9, 3.0
+"""Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
+followed to its end."""
 
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
@@ -113,17 +118,28 @@ def try_together(
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
-        tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
+        tried += try_all(
+            worthwhile(extensions(leaders, tried, single, SHORTLIST), tried), holdout, pool, progress, what
+        )
         if not best_of(tried, size):
             break
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
-        tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
+        tried += try_all(
+            worthwhile(extensions(rest, tried, single, SHORTLIST_BACK), tried), holdout, pool, progress, what
+        )
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         for _ in range(ALIAS_ROUNDS if size == 2 else 0):
             tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
+    """Return work whose fits are only followed to their end where they come near the best so far."""
+    least = min(each.fit.found.error for each in tried)
+    smaller = min(each.fit.found.error for each in tried if len(each.effects) < len(work[0].effects)) if work else least
+    return [replace(each, worth=min(NO_GAIN * smaller, FAR_BEHIND * least)) for each in work]
 
 
 def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from diagnosis.selection import GOOD_ENOUGH, best_of, misfit
+from diagnosis.trying import Candidate
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
+from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
 
@@ -31,6 +34,40 @@ def on_stairs(
     parted = hold_out(stepped)
     tempered = fit_base(model, parted.experiments, parted.fitted)
     return (stepped, parted, tempered) if makes_stairs(tempered) else (experiments, holdout, base)
+
+
+def stairs_beside(
+    tried: Sequence[Candidate], experiments: list[Experiment], model: Model
+) -> tuple[list[Experiment], Holdout, Fit] | None:
+    """Return experiments, their parts and the base, as `on_stairs` does, where stairs show beside another effect only.
+
+    An effect that explains most of the gap hides the stairs: what makes them explains much of what it leaves.
+
+    Parameters
+    ----------
+    tried : sequence of Candidate
+        All that was tried on the record as it was, the base first.
+    experiments : list of Experiment
+    model : Model
+
+    Returns
+    -------
+    tuple or None
+        None where the record was taken for one with stairs before, or no stairs show.
+    """
+    pairs = best_of(tried, 2)
+    if not pairs:
+        return None
+    best = pairs[0]
+    makers = [each for each in best.effects if effect_of_key(each).stops_again and effect_of_key(each).is_jagged]
+    rest = [each for each in tried if set(each.effects) == set(best.effects) - set(makers)]
+    if not makers or not rest[:1] or misfit(best) > STEPPED * misfit(rest[0]) or misfit(best) < GOOD_ENOUGH:
+        return None
+    stepped = with_stairs(experiments, tried[0].fit)
+    if stepped == experiments:
+        return None
+    parted = hold_out(stepped)
+    return stepped, parted, fit_base(model, parted.experiments, parted.fitted)
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:

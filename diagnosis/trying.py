@@ -63,6 +63,8 @@ class Work:
         Whether those values are the only start.
     kin : Fit or None
         The fit extended by a kindred effect.
+    worth : float
+        Error above which its fit is not followed to its end.
     """
 
     fit: Fit
@@ -71,6 +73,7 @@ class Work:
     known: dict[str, float] | None = None
     kin: Fit | None = None
     is_known: bool = False
+    worth: float = math.inf
 
 
 @contextmanager
@@ -98,7 +101,7 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         if work.is_known and work.known is not None:
             extended = extend_from(work.fit, key, work.known)
         else:
-            extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global)
+            extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global, worth=work.worth)
         freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
         return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 

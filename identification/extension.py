@@ -47,10 +47,10 @@ WORTH_POLISHING = 1e-3
 LITTLE_LEFT = 1.1
 """Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
 
-FIRST_LOOK, FIRST_LOOK_OF_BRISTLES = 6, 8
-"""Points of a search while starts are compared, and where the error has more minima."""
+FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED = 6, 8, 5
+"""Points of a search while starts are compared, where the error has more minima, and where each has its own slopes."""
 
-QUICK_LOOK, FURTHER_LOOK = 3, 2
+RENEWED = (3, 2)
 """Steps of a search on which its derivatives serve, while starts are compared and while the best is followed."""
 
 SHRUNK = 0.1
@@ -67,7 +67,13 @@ EXPLAINED = 0.8
 
 @threadpool_limits.wrap(limits=1)
 def extend(
-    fit: Fit, key: str, known: dict[str, float] | None = None, *, kin: Fit | None = None, is_global: bool = True
+    fit: Fit,
+    key: str,
+    known: dict[str, float] | None = None,
+    *,
+    kin: Fit | None = None,
+    is_global: bool = True,
+    worth: float = math.inf,
 ) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
@@ -84,6 +90,8 @@ def extend(
         global search.
     is_global : bool
         Whether an effect whose error has many minima is searched for globally, which takes seconds.
+    worth : float
+        Error above which a fit is not followed to its end.
 
     Returns
     -------
@@ -94,7 +102,7 @@ def extend(
     effect = effect_of_key(key)
     begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
     if not begun:
-        return extended(fit, effect, known, kin, is_global=is_global)
+        return extended(fit, effect, known, kin, is_global=is_global, worth=worth)
     problem, best = search_near(begun)
     stepped = finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
     if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
@@ -104,7 +112,13 @@ def extend(
 
 
 def extended(
-    fit: Fit, effect: Effect, known: dict[str, float] | None, kin: Fit | None, *, is_global: bool = True
+    fit: Fit,
+    effect: Effect,
+    known: dict[str, float] | None,
+    kin: Fit | None,
+    *,
+    is_global: bool = True,
+    worth: float = math.inf,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
@@ -117,6 +131,8 @@ def extended(
     else:
         groups = [trials] if effect.is_jagged else alike(effect, trials)
         problem, best = min((followed(fit, effect, group) for group in groups), key=lambda pair: pair[1].error)
+    if best.error > worth and not effect.is_chaotic:
+        return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
@@ -168,7 +184,10 @@ def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Fou
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
-            starts.append((trial.problem, descend(trial.problem, begun, evaluations=15, precision=1e-3).point))
+            found = descend(trial.problem, begun, evaluations=15, precision=1e-3, renewed=RENEWED[0])
+            starts.append((trial.problem, found.point))
+    if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
+        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=(1, 1))
     first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
     return best_descended(starts, first=first, further=10, precision=1e-3)
 
@@ -198,15 +217,20 @@ def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:
 
 
 def best_descended(
-    starts: list[tuple[Problem, np.ndarray]], *, first: int, further: int, precision: float
+    starts: list[tuple[Problem, np.ndarray]],
+    *,
+    first: int,
+    further: int,
+    precision: float,
+    renewed: tuple[int, int] = RENEWED,
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
     begun = [
-        (problem, descend(problem, point, evaluations=first, precision=1e-3, renewed=QUICK_LOOK))
+        (problem, descend(problem, point, evaluations=first, precision=1e-3, renewed=renewed[0]))
         for problem, point in starts
     ]
     problem, best = min(begun, key=lambda pair: pair[1].error)
-    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=FURTHER_LOOK)
+    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed[1])
 
 
 def as_given(fit: Fit, trial: Trial) -> np.ndarray:
@@ -230,8 +254,12 @@ def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem
     }
     problem, point = joined(fit.problem, fit.found.point, effect, small)
     best = descend(problem, point, evaluations=10, precision=1e-4)
-    if best.error <= fit.found.error:
-        return problem, best
+    return (problem, best) if best.error <= fit.found.error else at_neutral(fit, effect)
+
+
+def at_neutral(fit: Fit, effect: Effect) -> tuple[Problem, Found]:
+    """Return the fit as it was, with an effect at a value that changes nothing."""
+    neutral = {parameter.name: parameter.neutral for parameter in effect.parameters}
     problem, point = joined(fit.problem, fit.found.point, effect, neutral)
     return problem, Found(point, fit.found.error)
 
