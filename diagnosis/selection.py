@@ -118,15 +118,13 @@ def try_together(
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
-        tried += try_all(
-            worthwhile(extensions(leaders, tried, single, SHORTLIST), tried), holdout, pool, progress, what
-        )
+        work = worthwhile(extensions(leaders, tried, single, SHORTLIST), tried)
+        tried += try_all(work, holdout, pool, progress, what)
         if not best_of(tried, size):
             break
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
-        tried += try_all(
-            worthwhile(extensions(rest, tried, single, SHORTLIST_BACK), tried), holdout, pool, progress, what
-        )
+        work = worthwhile(extensions(rest, tried, single, SHORTLIST_BACK), tried)
+        tried += try_all(work, holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         for _ in range(ALIAS_ROUNDS if size == 2 else 0):
             tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
@@ -138,8 +136,12 @@ def try_together(
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
     """Return work whose fits are only followed to their end where they come near the best so far."""
     least = min(each.fit.found.error for each in tried)
-    smaller = min(each.fit.found.error for each in tried if len(each.effects) < len(work[0].effects)) if work else least
-    return [replace(each, worth=min(NO_GAIN * smaller, FAR_BEHIND * least)) for each in work]
+
+    def worth(size: int) -> float:
+        smaller = min(each.fit.found.error for each in tried if len(each.effects) < size)
+        return min(NO_GAIN * smaller, FAR_BEHIND * least)
+
+    return [replace(each, worth=worth(len(each.effects))) for each in work]
 
 
 def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -56,7 +57,7 @@ def stairs_beside(
         None where the record was taken for one with stairs before, or no stairs show.
     """
     pairs = best_of(tried, 2)
-    if not pairs:
+    if not pairs or any(math.isfinite(each.reach) for each in experiments):
         return None
     best = pairs[0]
     makers = [each for each in best.effects if effect_of_key(each).stops_again and effect_of_key(each).is_jagged]
