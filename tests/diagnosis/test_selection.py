@@ -4,14 +4,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis.selection import exchanged, is_worth_its_time, with_better
-from diagnosis.trying import Candidate
+from diagnosis.selection import FAR_BEHIND, NO_GAIN, exchanged, is_worth_its_time, with_better, worthwhile
+from diagnosis.trying import Candidate, Work
 from valvemodel.effects import differ_by_aliases
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:
     values = {key: {"size": misfit} for key in effects}
-    fit = SimpleNamespace(name="+".join(effects), model=SimpleNamespace(effects=values))
+    model, found = SimpleNamespace(effects=values), SimpleNamespace(error=100.0 * misfit)
+    fit = SimpleNamespace(name="+".join(effects), model=model, found=found)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
 
 
@@ -67,3 +68,11 @@ def test_causes_that_differ_by_aliases(effects, others, expected):
                                                           (19.0, "coil_lag", True)])  # fmt: skip
 def test_slow_effects_must_explain_much_to_be_built_upon(misfit, key, expected):
     assert is_worth_its_time(candidate(misfit, key), candidate(20.0)) == expected
+
+
+@pytest.mark.parametrize(("pairs", "expected"), [([], NO_GAIN * 900.0), ([2.0], FAR_BEHIND * 200.0)])
+def test_a_fit_is_followed_to_its_end_where_it_gains_and_comes_near_the_best(pairs, expected):
+    tried = [candidate(20.0), candidate(9.0, "coil_lag")]
+    tried += [candidate(misfit, "coil_lag", "end_stop") for misfit in pairs]
+    (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), False)], tried)
+    assert work.worth == pytest.approx(expected)

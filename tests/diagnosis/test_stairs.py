@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.judgement import Judgement, errors_beyond_noise, rivals_of
+from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
 from diagnosis.score import Errors, Score, score_fit
-from diagnosis.stairs import makes_stairs, with_stairs
+from diagnosis.stairs import makes_stairs, stairs_beside, with_stairs
 from diagnosis.trying import Candidate
 from identification.experiment import Experiment, Simulated, experiment_of
 from identification.extension import extend
@@ -126,3 +126,43 @@ def test_an_alias_whose_search_comes_to_no_end_stays_a_rival(quiet, refitted, ch
     evidence = np.array([0.0, 9.0, 9.0])
     evidence[chosen] = 20.0
     assert rivals_of(chosen, tried, Judgement(np.zeros(3), 0.0, evidence)) == rivals
+
+
+@pytest.mark.parametrize(
+    ("alone", "pair", "other", "is_seen"),
+    [
+        (90.0, 20.0, "static_friction", True),
+        (90.0, 50.0, "static_friction", False),
+        (2.7, 1.2, "static_friction", False),
+        (90.0, 20.0, "load_force", False),
+    ],
+)
+def test_stairs_that_another_effect_hides_are_seen_beside_it(given, sticking, alone, pair, other, is_seen):
+    base = base_of(given, sticking)
+    tried = [
+        Candidate((), base, score_of(*[100.0] * 6)),
+        Candidate(("area_variation",), base, score_of(*[alone] * 6)),
+        Candidate(("area_variation", other), base, score_of(*[pair] * 6)),
+        Candidate(("area_variation", other, "load_force"), base, score_of(*[0.9 * pair] * 6)),
+    ]
+    seen = stairs_beside(tried, [sticking], given)
+    assert (seen is not None) == is_seen
+    if seen is not None:
+        (stepped,), parted, tempered = seen
+        assert math.isfinite(stepped.reach)
+        assert tempered.problem.experiments == parted.experiments
+        assert stairs_beside(tried, [stepped], given) is None
+
+
+def test_an_unknown_cause_is_never_certain(quiet, refitted):
+    base, _ = refitted(quiet)
+    tried = [
+        Candidate((), base.fit, score_of(*[5000.0] * 6), trace=math.inf),
+        Candidate(("coil_lag",), base.fit, score_of(*[4900.0] * 6), trace=9.0),
+    ]
+    judgement = judge(tried)
+    assert judgement.unknown == SUREST_UNKNOWN
+    assert judgement.probabilities.sum() == pytest.approx(1.0 - SUREST_UNKNOWN)
+    explained = judge([*tried, Candidate(("end_stop",), base.fit, score_of(*[1.0] * 6), trace=9.0)])
+    assert explained.unknown < 0.01
+    assert explained.probabilities.sum() == pytest.approx(1.0 - explained.unknown)
