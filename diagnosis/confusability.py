@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from identification.extension import joined
 from identification.fit import Fit
+from identification.screening import joined
 from identification.uncertainty import signals_of
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages import EFFECTS

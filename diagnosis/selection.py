@@ -8,9 +8,9 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.trying import Candidate, Progress, Work, try_all
-from identification.extension import screened
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.screening import screened
 from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -12,9 +12,9 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
+from identification.screening import Trial, joined, residual_positions, screened
 from identification.search import Found, descend, errors, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
-from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -27,19 +27,6 @@ WIDEST = 2.0
 QUICK, USUAL, SHORT = (8, 80), (3, 70), (3, 30)
 """Points of a global search for each unknown, and generations: more where a run has a closed form, fewer where it takes
 long and ends nowhere exact."""
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One start of a search: the problem with the effect's unknowns, the scaled start, what it promises to explain."""
-
-    problem: Problem
-    point: np.ndarray
-    gain: float
-
-
-ANSWER = 0.5
-"""Farthest that an unknown of the fit moves in answer to a start of an effect, scaled."""
 
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
@@ -306,60 +293,3 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
 
     point = min(found, key=misfit)
     return problem, Found(point, float(errors(problem, point[None, :])[0]))
-
-
-def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) -> list[Trial]:
-    """Return the starts of an effect, the most promising first.
-
-    Each is run once, and once more after the unknowns of the fit have answered it (linearised). Its promise is how
-    much less error that leaves, or how much of the residual the change of the trajectory explains at any size.
-    """
-    problem, point = fit.problem, fit.found.point
-    residual = problem.residuals(point[None, :])[0]
-    basis, triangle = np.linalg.qr(problem.jacobian(point))
-    left = residual - basis @ (basis.T @ residual)
-    starts = list(starts_of(effect, list(problem.experiments), residual_positions(fit)))
-    trials = [promise(fit, effect, start, left, basis, triangle) for start in [*starts, *([known] if known else [])]]
-    return sorted(trials, key=lambda trial: -trial.gain)
-
-
-def promise(
-    fit: Fit, effect: Effect, start: dict[str, float], left: np.ndarray, basis: np.ndarray, triangle: np.ndarray
-) -> Trial:
-    """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
-    problem, point = joined(fit.problem, fit.found.point, effect, start)
-    samples, known = len(left) - len(fit.found.point), len(fit.found.point)
-    residual = problem.residuals(point[None, :])[0]
-    there = residual[: samples + known]
-    change = there - left
-    change -= basis @ (basis.T @ change)
-    size = float(change @ change)
-    linear = float(left @ change) ** 2 / size if size > 0.0 else 0.0
-    answered = point.copy()
-    answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ there), -ANSWER, ANSWER)
-    answered = np.clip(answered, *problem.bounds)
-    before, after = 0.5 * float(residual @ residual), float(errors(problem, answered[None, :])[0])
-    gained = 2.0 * (fit.found.error - min(before, after))
-    return Trial(problem, answered if after < before else point, max(linear, gained))
-
-
-def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:
-    """Return the problem with an effect's unknowns added, and its scaled point at a start of theirs."""
-    added = effect_unknowns(effect.key, start)
-    extended = replace(
-        problem,
-        model=problem.model.with_effect(effect.key, **start),
-        is_anchored=problem.is_anchored or effect.is_chaotic,
-        unknowns=[*problem.unknowns, *added],
-    )
-    scaled = np.array([unknown.scaled(start[unknown.name]) for unknown in added])
-    return extended, np.concatenate([point, scaled])
-
-
-def residual_positions(fit: Fit) -> list[np.ndarray]:
-    """Return measured less simulated position of each experiment, NaN where a sample does not count. [m]"""
-    residuals = []
-    for experiment, used in zip(fit.problem.experiments, fit.problem.used, strict=True):
-        residual = experiment.position - fit.simulated_on(experiment).position[0]
-        residuals.append(np.where(used, residual, np.nan))
-    return residuals

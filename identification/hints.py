@@ -18,6 +18,9 @@ PLACES = 9
 PERIODS = 4
 """Strongest periods of the residual at which a periodic effect is looked for."""
 
+LOWEST_WAVES, HALF_WAVE, QUARTER_WAVE = 16.0, 0.5, 0.25
+"""Waves in a record up to which all periods are tried, and their distance; and that about the strongest periods."""
+
 Residuals = list[np.ndarray]
 
 
@@ -87,6 +90,20 @@ def strongest_periods(time: np.ndarray, residual: np.ndarray) -> list[float]:
         if len(periods) == PERIODS:
             break
     return periods
+
+
+def is_periodic(parameter: Parameter) -> bool:
+    """Return whether a parameter is a period that is read off what a fit leaves over."""
+    return "residual_period" in parameter.starts
+
+
+def nearby(periods: list[float], duration: float) -> list[float]:
+    """Return periods up to a wave beside some, and of the lowest waves of a record, the longest first. [s]"""
+    beside = np.arange(-1.0, 1.0 + QUARTER_WAVE, QUARTER_WAVE)
+    counts = [duration / period + beside for period in periods]
+    lowest = np.arange(HALF_WAVE, LOWEST_WAVES, HALF_WAVE)
+    every = np.unique(np.round(np.concatenate([lowest, *counts]) / QUARTER_WAVE))
+    return [float(duration / (QUARTER_WAVE * count)) for count in every if count * QUARTER_WAVE >= HALF_WAVE]
 
 
 def coarsest_grid(experiment: Experiment) -> tuple[float, float]:

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.extension import KEPT_STARTS, alike, screened
+from identification.extension import KEPT_STARTS, alike
 from identification.fit import Fit, Masks, base_and_start_unknowns, finished, measured
 from identification.problem import Problem
+from identification.screening import screened
 from identification.search import Found, descend
 from identification.smooth_fit.descent import WIDTHS, descend_smooth, narrowed, narrowed_by_shooting
 from identification.smooth_fit.guess import guessed

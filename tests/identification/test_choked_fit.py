@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from blind_fits import fits_to_plant
 
-from identification.extension import screened
 from identification.pressures import LIGHT, pressures_at_rest, with_pressures_of
+from identification.screening import screened
 from identification.search import Slopes, descend
 from valvemodel.effects import effect_of_key
 
