@@ -37,6 +37,9 @@ LITTLE_LEFT = 1.1
 FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED = 6, 8, 5
 """Points of a search while starts are compared, where the error has more minima, and where each has its own slopes."""
 
+CLOSE = 1.5
+"""Error over the best one's up to which another form of an effect is followed to its end as well."""
+
 RENEWED = (3, 2)
 """Steps of a search on which its derivatives serve, while starts are compared and while the best is followed."""
 
@@ -114,15 +117,17 @@ def extended(
     if effect.is_jagged and is_global and trials[0].gain > 0.0:
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
-        problem, best = min(searched, key=lambda pair: pair[1].error)
     else:
         groups = [trials] if effect.is_jagged else alike(effect, trials)
-        problem, best = min((followed(fit, effect, group) for group in groups), key=lambda pair: pair[1].error)
+        searched = [followed(fit, effect, group) for group in groups]
+    problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
-    return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    close = [(each, found) for each, found in searched if found.error < CLOSE * best.error]
+    ended = [(each, descend(each, found.point, evaluations=20, precision=1e-6)) for each, found in close]
+    return finished(*min(ended, key=lambda pair: pair[1].error))
 
 
 @threadpool_limits.wrap(limits=1)
