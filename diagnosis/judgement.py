@@ -87,7 +87,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     base = candidates[0].score
     sharpness = sharpness_of(base)
     has_stairs = any(math.isfinite(each.reach) for each in candidates[0].fit.problem.experiments)
-    has_stops = has_stairs or stops_seen(candidates[0].fit)
+    has_stops = stops_seen(candidates[0].fit)
     form, unknown_form = (FORM_STAIRS, UNKNOWN_FORM_STAIRS) if has_stairs else (FORM, UNKNOWN_FORM)
     left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
     allowed = NOTICE + form * before

@@ -82,14 +82,17 @@ def try_alone(
 ) -> list[Candidate]:
     """Try every effect alone; those that need a global search come last, and only where no other explains the gap.
 
+    A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
+
     One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found.
     """
     tried = [base]
     has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
-        if effect_of_key(round_of[0]).is_jagged and explains(min(tried, key=misfit), base):
-            break
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
+        best = min(tried, key=misfit)
+        if effect_of_key(round_of[0]).is_jagged and explains(best, base):
+            keys = [key for key in keys if effect_of_key(key).is_chaotic and differ_by_aliases((key,), best.effects)]
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
         tried += try_all(work, holdout, pool, progress, "effects one by one")
     return tried
@@ -268,7 +271,9 @@ def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
 
 
 def stops_seen(fit: Fit) -> bool:
-    """Return whether the measured stem rests again and again where a fit's keeps moving."""
+    """Return whether the measured stem rests again and again where a fit's keeps moving, or goes in stairs."""
+    if any(math.isfinite(each.reach) for each in fit.problem.experiments):
+        return True
     stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
     return max(stops) >= LEAST_STOPS
 

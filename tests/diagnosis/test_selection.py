@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from diagnosis import selection
 from diagnosis.selection import FAR_BEHIND, NO_GAIN, exchanged, is_worth_its_time, with_better, worthwhile
 from diagnosis.trying import Candidate, Work
-from valvemodel.effects import differ_by_aliases
+from valvemodel.effects import differ_by_aliases, effect_of_key
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:
@@ -76,3 +77,21 @@ def test_a_fit_is_followed_to_its_end_where_it_gains_and_comes_near_the_best(pai
     tried += [candidate(misfit, "coil_lag", "end_stop") for misfit in pairs]
     (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), False)], tried)
     assert work.worth == pytest.approx(expected)
+
+
+def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
+    def try_all(work, *_):
+        asked.append([each.effects[0] for each in work])
+        return [candidate(1.1 if each.effects[0] == "static_friction" else 20.0, *each.effects) for each in work]
+
+    asked: list[list[str]] = []
+    monkeypatch.setattr(selection, "try_all", try_all)
+    monkeypatch.setattr(selection, "stops_seen", lambda fit: True)
+    base = Candidate((), SimpleNamespace(), SimpleNamespace(misfit=20.0))
+    keys = ("coil_lag", "static_friction", "stribeck", "presliding")
+    library = [effect_of_key(key) for key in keys]
+    selection.try_alone(base, None, library, None, None)
+    assert [key for round_of in asked for key in round_of] == ["coil_lag", "presliding", "static_friction", "stribeck"]
+    asked.clear()
+    selection.try_alone(base, None, [effect_of_key(key) for key in keys if key != "static_friction"], None, None)
+    assert ["stribeck"] in asked
