@@ -22,7 +22,7 @@ NOTICE = 0.35
 FORM = 0.005
 """Share of the base's squared error by which a right effect in another form than ours may miss it."""
 
-SUPPORT_NONE = 3.0
+SUPPORT_NONE = 2.0
 """Log prior of no effect over one of the effects."""
 
 COST_MORE = 2.4
@@ -86,7 +86,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     """
     base = candidates[0].score
     sharpness = sharpness_of(base)
-    has_stairs = any(math.isfinite(each.reach) for each in candidates[0].fit.problem.experiments)
+    has_stairs = any(each.has_stairs for each in candidates[0].fit.problem.experiments)
     has_stops = stops_seen(candidates[0].fit)
     form, unknown_form = (FORM_STAIRS, UNKNOWN_FORM_STAIRS) if has_stairs else (FORM, UNKNOWN_FORM)
     left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
@@ -101,10 +101,9 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     reached = before[int(np.argmax(support))]
     expected = (UNKNOWN_NOTICE + unknown_form * reached) / (NOTICE + (1.0 + form) * reached)
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
-    named = np.exp(support - support.max())
-    share = 1.0 / (1.0 + math.exp(min(support.max() + math.log(named.sum()) - unknown, 700.0)))
-    share = min(share, SUREST_UNKNOWN)
-    return Judgement((1.0 - share) * named / named.sum(), share, evidence)
+    named = np.logaddexp.reduce(support)
+    share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
+    return Judgement((1.0 - share) * np.exp(support - named), share, evidence)
 
 
 def sharpness_of(base: Score) -> float:

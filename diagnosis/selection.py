@@ -121,13 +121,11 @@ def try_together(
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
-        work = worthwhile(extensions(leaders, tried, single, SHORTLIST), tried)
-        tried += try_all(work, holdout, pool, progress, what)
+        tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
         if not best_of(tried, size):
             break
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
-        work = worthwhile(extensions(rest, tried, single, SHORTLIST_BACK), tried)
-        tried += try_all(work, holdout, pool, progress, what)
+        tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         for _ in range(ALIAS_ROUNDS if size == 2 else 0):
             tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
@@ -174,7 +172,7 @@ def extensions(
                 known.add(frozenset(effects))
                 is_global = key in stopping and not effect_of_key(key).is_chaotic
                 work.append(Work(leader.fit, effects, is_global, single[key]))
-    return work
+    return worthwhile(work, tried)
 
 
 def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
@@ -272,7 +270,7 @@ def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
 
 def stops_seen(fit: Fit) -> bool:
     """Return whether the measured stem rests again and again where a fit's keeps moving, or goes in stairs."""
-    if any(math.isfinite(each.reach) for each in fit.problem.experiments):
+    if any(each.has_stairs for each in fit.problem.experiments):
         return True
     stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
     return max(stops) >= LEAST_STOPS

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -29,12 +28,8 @@ def on_stairs(
     experiments: list[Experiment], holdout: Holdout, base: Fit, model: Model
 ) -> tuple[list[Experiment], Holdout, Fit]:
     """Return experiments, their parts and the base refitted to them, where they have stairs; else all as it was."""
-    stepped = with_stairs(experiments, base)
-    if stepped == experiments:
-        return experiments, holdout, base
-    parted = hold_out(stepped)
-    tempered = fit_base(model, parted.experiments, parted.fitted)
-    return (stepped, parted, tempered) if makes_stairs(tempered) else (experiments, holdout, base)
+    read = tempered(experiments, base, model)
+    return read if read and makes_stairs(read[2]) else (experiments, holdout, base)
 
 
 def stairs_beside(
@@ -57,14 +52,19 @@ def stairs_beside(
         None where the record was taken for one with stairs before, or no stairs show.
     """
     pairs = best_of(tried, 2)
-    if not pairs or any(math.isfinite(each.reach) for each in experiments):
+    if not pairs or any(each.has_stairs for each in experiments):
         return None
     best = pairs[0]
     makers = [each for each in best.effects if effect_of_key(each).stops_again and effect_of_key(each).is_jagged]
     rest = [each for each in tried if set(each.effects) == set(best.effects) - set(makers)]
     if not makers or not rest[:1] or misfit(best) > STEPPED * misfit(rest[0]) or misfit(best) < GOOD_ENOUGH:
         return None
-    stepped = with_stairs(experiments, tried[0].fit)
+    return tempered(experiments, tried[0].fit, model)
+
+
+def tempered(experiments: list[Experiment], base: Fit, model: Model) -> tuple[list[Experiment], Holdout, Fit] | None:
+    """Return experiments as ones with stairs, their parts and the base refitted; None where they can have none."""
+    stepped = with_stairs(experiments, base)
     if stepped == experiments:
         return None
     parted = hold_out(stepped)

@@ -101,6 +101,11 @@ class Experiment:
                 anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
         return anchors
 
+    @property
+    def has_stairs(self) -> bool:
+        """Whether the stem goes in stairs: an error far beyond the reach counts by the logarithm."""
+        return math.isfinite(self.reach)
+
     def comes_in_steps(self, step: float, offset: float) -> bool:
         """Return whether the readings lie about a grid of steps. [m]"""
         if step <= 0.0:
@@ -117,7 +122,7 @@ class Experiment:
         if simulated.step > 0.0:
             error = np.copysign(np.maximum(np.abs(error) - 0.5 * simulated.step, 0.0), error)
         error = error / self.noise
-        if math.isinf(self.reach):
+        if not self.has_stairs:
             return error
         return np.copysign(self.reach * np.sqrt(np.log1p((error / self.reach) ** 2)), error)
 

@@ -168,9 +168,9 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
-    kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
+    kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in kept]
     starts += [(trial.problem, as_given(fit, trial)) for trial in [group[0], *others]]
     if makes_pressure(effect):

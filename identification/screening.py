@@ -40,7 +40,7 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     """
     problem, point = fit.problem, fit.found.point
     residual = problem.residuals(point[None, :])[0]
-    basis, triangle = np.linalg.qr(problem.jacobian(point))
+    basis, triangle = np.linalg.qr(problem.jacobian(point, residual))
     left = residual - basis @ (basis.T @ residual)
     starts = list(starts_of(effect, list(problem.experiments), residual_positions(fit)))
     if any(is_periodic(each) for each in effect.parameters):
@@ -67,10 +67,10 @@ def waves(
         for name in sizes:
             tried = {other: 0.0 for other in sizes} | {name: TRIED_FORCE * starts[0][name], period: each}
             problem, point = joined(fit.problem, fit.found.point, effect, tried)
-            change = problem.residuals(point[None, :])[0][: len(left)] - left
-            changes.append(change - basis @ (basis.T @ change))
-        shares, *_ = np.linalg.lstsq(np.array(changes).T, -left, rcond=None)
-        remaining = left + np.array(changes).T @ shares
+            changes.append(change_of(problem.residuals(point[None, :])[0], left, basis))
+        columns = np.array(changes).T
+        shares, *_ = np.linalg.lstsq(columns, -left, rcond=None)
+        remaining = left + columns @ shares
         values = [float(TRIED_FORCE * starts[0][name] * share) for name, share in zip(sizes, shares, strict=True)]
         found.append((float(remaining @ remaining), dict(zip(sizes, values, strict=True)) | {period: each}))
     return [start for _, start in sorted(found, key=lambda pair: pair[0])[:KEPT_PERIODS]]
@@ -81,19 +81,22 @@ def promise(
 ) -> Trial:
     """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
     problem, point = joined(fit.problem, fit.found.point, effect, start)
-    samples, known = len(left) - len(fit.found.point), len(fit.found.point)
-    residual = problem.residuals(point[None, :])[0]
-    there = residual[: samples + known]
-    change = there - left
-    change -= basis @ (basis.T @ change)
+    known, residual = len(fit.found.point), problem.residuals(point[None, :])[0]
+    change = change_of(residual, left, basis)
     size = float(change @ change)
     linear = float(left @ change) ** 2 / size if size > 0.0 else 0.0
     answered = point.copy()
-    answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ there), -ANSWER, ANSWER)
+    answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ residual[: len(left)]), -ANSWER, ANSWER)
     answered = np.clip(answered, *problem.bounds)
     before, after = 0.5 * float(residual @ residual), float(errors(problem, answered[None, :])[0])
     gained = 2.0 * (fit.found.error - min(before, after))
     return Trial(problem, answered if after < before else point, max(linear, gained))
+
+
+def change_of(residual: np.ndarray, left: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """Return how an effect changes the residuals of a fit, beside whatever the fit's own unknowns can do."""
+    change = residual[: len(left)] - left
+    return np.asarray(change - basis @ (basis.T @ change))
 
 
 def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:

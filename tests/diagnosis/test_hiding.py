@@ -15,7 +15,7 @@ from valvemodel.effects import effect_of_key
 def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
     weighted = np.full(12, misfit)
     errors = SimpleNamespace(mean=misfit, weighted=weighted, counts=np.full(12, 100), signals=1)
-    experiment = SimpleNamespace(reach=np.inf)
+    experiment = SimpleNamespace(has_stairs=False)
     model = SimpleNamespace(effects=dict.fromkeys(effects))
     fit = SimpleNamespace(model=model, problem=SimpleNamespace(experiments=[experiment]), name="+".join(effects))
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit, free=errors, anchored=errors), trace)
