@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+import polars
 
 from diagnosis.score import Errors, errors_of
 from identification.experiment import Experiment, Simulated, shifted
@@ -99,11 +101,8 @@ def inputs_of(experiment: Experiment, run: Simulated) -> np.ndarray:
 
 def lowpass(signal: np.ndarray, time: np.ndarray, constant: float) -> np.ndarray:
     """Return a signal through a first-order filter, started at rest."""
-    from scipy.signal import lfilter
-
-    share = 1.0 - np.exp(-float(np.median(np.diff(time))) / constant)
-    filtered, _ = lfilter([share], [1.0, share - 1.0], signal, zi=[(1.0 - share) * signal[0]])
-    return np.asarray(filtered)
+    share = 1.0 - math.exp(-float(np.median(np.diff(time))) / constant)
+    return polars.Series(signal).ewm_mean(alpha=share, adjust=False).to_numpy()
 
 
 def curves_over(known: np.ndarray) -> Curves:

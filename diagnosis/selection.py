@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
-from diagnosis.trying import Candidate, Progress, Work, try_all
+from diagnosis.beside_slips import beside_slips
+from diagnosis.trying import Candidate, Progress, Work, misfit, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.screening import screened
@@ -111,7 +112,7 @@ def try_together(
     alone : sequence of Candidate
         The base, then the effects one by one.
     """
-    tried, base = list(alone), alone[0]
+    tried, base = [*alone, *beside_slips(alone, holdout, pool, progress)], alone[0]
     single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
     for size in range(2, MOST_EFFECTS + 1):
         if explains(min(tried, key=misfit), base, generous=size > 2):
@@ -274,11 +275,6 @@ def stops_seen(fit: Fit) -> bool:
         return True
     stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
     return max(stops) >= LEAST_STOPS
-
-
-def misfit(candidate: Candidate) -> float:
-    """Return how far a cause is from unseen data: 1 where the noise is reached."""
-    return candidate.score.misfit
 
 
 def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:

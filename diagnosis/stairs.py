@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from diagnosis.selection import GOOD_ENOUGH, best_of, misfit
-from diagnosis.trying import Candidate
+from diagnosis.selection import GOOD_ENOUGH, best_of
+from diagnosis.trying import Candidate, misfit
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
 from identification.fit import Fit, fit_base

@@ -13,6 +13,8 @@ from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
 from identification.unknowns import GAP
+from valvemodel.breakaways import ways_to_breakaway
+from valvemodel.effects import effect_of_key
 
 RAMPED = 0.02
 """Change of the pressure within a period, over its range, below which the force at breakaway is known."""
@@ -28,6 +30,12 @@ TO_THE_MIDDLE = 0.02
 
 LINE = ("spring_rate", "coulomb_friction", *GAP)
 """Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
+
+WIDEST_SLACK = 1.0
+"""Change of the unknowns, scaled, beyond which what the line leaves open is not searched."""
+
+BEHIND_PRESSURE = ("stem", "sensor")
+"""Stages that do not act on the pressure."""
 
 
 @dataclass(frozen=True)
@@ -62,11 +70,24 @@ class Breakaways:
         counts = [(each.noise, rest.last + 1 - rest.first) for each, rests in pairs for rest in rests]
         return np.array([noise * np.sqrt(1.0 / count + GRAIN**2) for noise, count in counts])
 
+    @cached_property
+    def time(self) -> np.ndarray:
+        """Start of the period of each breakaway and its end, shape (2, breakaways). [s]"""
+        pairs = zip(self.problem.experiments, self.rests, strict=True)
+        last = [(each.time[rest.last], each.time[rest.last + 1]) for each, rests in pairs for rest in rests]
+        return np.array(last).reshape(-1, 2).T
+
     def pressures(self, points: np.ndarray) -> np.ndarray:
-        """Return the pressures before and at the end of the period of each breakaway, shape (2, p, breakaways). [Pa]"""
+        """Return the pressures before and at the end of the period of each breakaway, shape (2, p, breakaways). [Pa]
+
+        They are those of a stem without effects: the way that a filling actuator takes changes them little.
+        """
         found = []
         for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
             rows = self.problem.rows(points, number)
+            for effect in (effect_of_key(key) for key in self.problem.model.effects):
+                for parameter in effect.parameters if effect.stage in BEHIND_PRESSURE else ():
+                    rows[parameter.name] = parameter.neutral
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)
             found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
@@ -74,11 +95,10 @@ class Breakaways:
 
     def positions(self, points: np.ndarray) -> np.ndarray:
         """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]"""
-        rows = self.problem.rows(points, 0)
-        area, preload, stiffness, force = (
-            rows[name][:, None] for name in ("diaphragm_area", "spring_preload", "spring_rate", "coulomb_friction")
-        )
-        return (area * self.pressures(points) - preload - self.side * force) / stiffness
+        rows, ways = self.problem.rows(points, 0), np.empty((2, len(points), len(self.position)))
+        for way, pressures, times in zip(ways, self.pressures(points), self.time, strict=True):
+            ways_to_breakaway(rows, self.position, self.side, pressures, times, way)
+        return self.position + ways
 
     def enclosed(self, points: np.ndarray) -> np.ndarray:
         """Return by how much each position lies outside what encloses it, shape (p, breakaways). [spread]"""
@@ -106,7 +126,7 @@ class Breakaways:
         within = np.abs(np.diff(self.positions(point[None, :]), axis=0))[0, 0] / np.sqrt(12.0) + self.spread
         slopes = slopes_of(self.centred, point, columns) * (self.spread / within)[:, None]
         _, sizes, directions = np.linalg.svd(slopes[is_ramped], full_matrices=False)
-        return directions.T / np.maximum(sizes, 1e-9 * sizes[0])
+        return directions.T / np.maximum(sizes, 1.0 / WIDEST_SLACK)
 
     def on_the_way(self, point: np.ndarray) -> int:
         """Count the breakaways on ramps that follow one to the same side: the steps of stairs."""
@@ -134,11 +154,17 @@ class Line:
         The unknowns that the line determines.
     slack : array, shape (m, m)
         Changes of them by a standard deviation each, one in a column.
+    error : float
+        Half the sum of the squares by which breakaways lie off the line, far ones counted less. [spread^2]
+    count : int
+        Breakaways.
     """
 
     point: np.ndarray
     columns: np.ndarray
     slack: np.ndarray
+    error: float
+    count: int
 
 
 def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
@@ -146,10 +172,14 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
 
     At breakaway S_1 P - k y is the breakaway force, under a pressure that two samples enclose. That needs no run of the
     stem and has one minimum, however jagged the error of the stem's run is. The gap stays where a pressure tells it.
+    Effects of the problem's model bend the line: their unknowns are among its own.
     """
     problem = breakaways.problem
     names, told = [unknown.name for unknown in problem.unknowns], told_by_pressure(problem)
-    columns = np.array([names.index(name) for name in LINE if name in names and names.index(name) not in told])
+    bends = [each.name for key in problem.model.effects for each in effect_of_key(key).fitted]
+    columns = np.array(
+        [names.index(name) for name in (*LINE, *bends) if name in names and names.index(name) not in told]
+    )
     if told:
         point = point.copy()
         point[told] = seen_by_pressure(problem, point, told)[1].point
@@ -161,14 +191,14 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     def all_of(points: np.ndarray) -> np.ndarray:
         return np.concatenate([breakaways.enclosed(points), TO_THE_MIDDLE * middles(points)], axis=1)
 
-    begun = _laid(middles, breakaways.problem, point, columns)
-    found = _laid(all_of, breakaways.problem, begun, columns)
-    return Line(found, columns, breakaways.slack(found, columns))
+    begun, _ = _laid(middles, breakaways.problem, point, columns)
+    found, error = _laid(all_of, breakaways.problem, begun, columns)
+    return Line(found, columns, breakaways.slack(found, columns), error, len(breakaways.position))
 
 
 def _laid(
     residuals: Callable[[np.ndarray], np.ndarray], problem: Problem, point: np.ndarray, columns: np.ndarray
-) -> np.ndarray:
+) -> tuple[np.ndarray, float]:
     from scipy.optimize import least_squares
 
     def moved(move: np.ndarray) -> np.ndarray:
@@ -188,7 +218,7 @@ def _laid(
         ftol=1e-6,
         max_nfev=60,
     )
-    return moved(result.x)
+    return moved(result.x), float(result.cost)
 
 
 def slopes_of(residuals: Callable[[np.ndarray], np.ndarray], point: np.ndarray, columns: np.ndarray) -> np.ndarray:

@@ -91,7 +91,7 @@ def checks_of(
 
 def _whiteness(signal: str, residuals: Sequence[np.ndarray]) -> Check:
     """Ljung and Box (1978): squared autocorrelations, whose sum is chi-squared for white noise."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     statistic, degrees = 0.0, 0
     for residual in residuals:
@@ -102,13 +102,13 @@ def _whiteness(signal: str, residuals: Sequence[np.ndarray]) -> Check:
         correlation = np.array([error[lag:] @ error[:-lag] for lag in range(1, lags + 1)]) / power
         statistic += count * (count + 2.0) * float(np.sum(correlation**2 / (count - np.arange(1.0, lags + 1))))
         degrees += lags
-    threshold = float(chi2.ppf(1.0 - LEVEL, max(degrees, 1)))
+    threshold = float(chdtri(max(degrees, 1), LEVEL))
     return Check(f"{signal}: whiteness", f"correlation with {LAGS} samples before (Ljung-Box)", statistic, threshold)
 
 
 def _input_correlation(signal: str, experiments: Sequence[Experiment], residuals: Sequence[np.ndarray]) -> Check:
     """Score test: samples times the share that a regression on the current and its delayed changes explains."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     inputs, errors = [], []
     for experiment, residual in zip(experiments, residuals, strict=True):
@@ -122,7 +122,7 @@ def _input_correlation(signal: str, experiments: Sequence[Experiment], residuals
     explained, _, rank, _ = np.linalg.lstsq(np.concatenate(inputs), error, rcond=1e-8)
     part = np.concatenate(inputs) @ explained
     statistic = len(error) * float(part @ part) / max(float(error @ error), 1e-300)
-    threshold = float(chi2.ppf(1.0 - LEVEL, max(int(rank), 1)))
+    threshold = float(chdtri(max(int(rank), 1), LEVEL))
     return Check(f"{signal}: input", "correlation with the current and its changes", statistic, threshold)
 
 

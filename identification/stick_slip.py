@@ -14,10 +14,14 @@ from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
 from identification.wide import AT_NOISE
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
 
 REACH = 4.0
 """Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
+
+BENT_BY_NONE = frozenset(
+    {"static_friction", "stribeck", "presliding", "end_stop", "linkage_backlash", "quantisation", "sensor_lag"}
+)
+"""Effects beside which a rest's reading, or its end, does not tell what force holds the stem."""
 
 LEAST_STEPS = 8
 """Breakaways on the way from which a record has stairs."""
@@ -107,8 +111,9 @@ class Slips:
 
 def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     """Return the line through the breakaways of a fit; None where too few are steps of stairs, or it has no time."""
-    acts_later = any(effect_of_key(key).stage in ("stem", "sensor") for key in problem.model.effects)
-    if acts_later or any(experiment.is_loop for experiment in problem.experiments):
+    if not BENT_BY_NONE.isdisjoint(problem.model.effects) or any(
+        experiment.is_loop for experiment in problem.experiments
+    ):
         return None
     breakaways = breakaways_of(problem)
     if len(breakaways.position) == 0 or breakaways.on_the_way(point) < LEAST_STEPS:

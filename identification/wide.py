@@ -8,12 +8,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.problem import Problem
-from identification.search import Found, descend, errors, roam, settle
+from identification.search import Found, descend, errors, roam, settle, spread_evenly
 
 Box = Sequence[tuple[float, float]]
 
 SCREENED = 256
-"""Points of a Sobol sequence that are run once before any descent."""
+"""Points of an even sequence that are run once before any descent."""
 
 FOLLOWED = 4
 """The best of them, and the centre, are followed down."""
@@ -63,10 +63,8 @@ def search_wide(problem: Problem, box: Box, *, is_jagged: bool = False) -> Found
 
 
 def screened_and_followed(problem: Problem, bounds: np.ndarray) -> Found:
-    """Return the best of short descents from the best points of a Sobol sequence, and from the centre."""
-    from scipy.stats import qmc
-
-    points = qmc.scale(qmc.Sobol(bounds.shape[1], rng=np.random.default_rng(0)).random(SCREENED), *bounds)
+    """Return the best of short descents from the best points of an even sequence, and from the centre."""
+    points = spread_evenly(SCREENED, bounds, np.random.default_rng(0))
     best = np.argsort(errors(problem, points))[:FOLLOWED]
     starts = [bounds.mean(axis=0), *points[best]]
     followed = [descend(problem, start, evaluations=8, precision=1e-3) for start in starts]

@@ -1,0 +1,98 @@
+"""Bent lines: effects that bring the breakaways of stairs onto a line, beside whatever makes the stem jump."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from identification.breakaway import FAR, Breakaways, Line, breakaways_of, line_through, slopes_of
+from identification.fit import Fit, finished
+from identification.hints import starts_of
+from identification.problem import Problem
+from identification.screening import joined, residual_positions
+from identification.search import Found, errors
+from identification.stick_slip import BENT_BY_NONE, line_of_stairs
+from valvemodel.declarations import Effect
+
+STRAIGHT = frozenset(
+    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "asymmetric_viscous_friction"}
+)
+"""Effects that leave force and reading of a rest as they are, but for a delay."""
+
+OFF_THE_LINE = 0.3
+"""Squared error of a breakaway from which a line does not explain it. [spread^2]"""
+
+MUCH_NEARER = 0.3
+"""Share of the line's error below which an effect must bring it."""
+
+ANSWER = 3.0
+"""How far the line's unknowns may answer a start by slopes, scaled."""
+
+
+@dataclass(frozen=True)
+class BentLine:
+    """An effect and the line through the breakaways with it.
+
+    Attributes
+    ----------
+    effect : Effect
+    problem : Problem
+        With the effect's unknowns.
+    line : Line
+    """
+
+    effect: Effect
+    problem: Problem
+    line: Line
+
+    @property
+    def fit(self) -> Fit:
+        """The base valve and the effect on the line; its Coulomb friction is the breakaway force."""
+        error = float(errors(self.problem, self.line.point[None, :])[0])
+        return finished(self.problem, Found(self.line.point, error))
+
+
+def straight_line(fit: Fit) -> Line | None:
+    """Return the line through the breakaways of a fit; None where it has none, or nothing is left to explain."""
+    line = line_of_stairs(fit.problem, fit.found.point)
+    return line if line and line.error > OFF_THE_LINE * line.count else None
+
+
+@threadpool_limits.wrap(limits=1)
+def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
+    """Bend the line of a fit by an effect, from the start that promises most; None where that brings it no nearer.
+
+    Parameters
+    ----------
+    fit : Fit
+    line : Line
+        Through its breakaways.
+    effect : Effect
+    """
+    if effect.key in BENT_BY_NONE | STRAIGHT or not effect.fitted:
+        return None
+    breakaways = breakaways_of(fit.problem)
+    promises = list(promised(fit, line, breakaways, effect))
+    problem, point, _ = min(promises, key=lambda each: each[2])
+    bent = line_through(replace(breakaways, problem=problem), point)
+    return BentLine(effect, problem, bent) if bent.error < MUCH_NEARER * line.error else None
+
+
+def promised(
+    fit: Fit, line: Line, breakaways: Breakaways, effect: Effect
+) -> Iterator[tuple[Problem, np.ndarray, float]]:
+    """Yield the starts of an effect with the line's best answer by slopes, and the squared error left."""
+    known = len(line.point)
+    slopes = slopes_of(breakaways.centred, line.point, line.columns)
+    for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+        problem, point = joined(fit.problem, line.point, effect, start)
+        there = replace(breakaways, problem=problem)
+        off = there.centred(point[None, :])[0]
+        answer, *_ = np.linalg.lstsq(slopes, -off, rcond=1e-6)
+        point[:known][line.columns] += np.clip(answer, -ANSWER, ANSWER)
+        point = np.clip(point, *problem.bounds)
+        off = there.centred(point[None, :])[0]
+        yield problem, point, float(np.sum(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0)))
