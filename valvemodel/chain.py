@@ -9,16 +9,12 @@ from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
+from valvemodel.stages.linkage import drag_linkage, shift_linkage
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, has_leak, rest_nozzle
 from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
-from valvemodel.stages.sensor import (
-    follow_steadily,
-    follow_stem,
-    rest_sensor,
-    sensor_drift,
-)
+from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
 from valvemodel.stages.stem import STUCK, breakaway_ratio, put_stem, rest_stem
 from valvemodel.stages.transmitter import settle_reading
@@ -167,7 +163,7 @@ def slip_on(p, state, memory, pressure, time, duration, tolerance):
     if state.plan_steady == 1.0 and memory.notes_events == 0.0:
         for _ in range(FEW):
             used += advance_held(p, state, pressure, duration - used)
-            follow_steadily(p, state)
+            drag_linkage(p, state)
             if used >= duration:
                 return
     hold_pressure(memory, pressure)
@@ -178,7 +174,7 @@ def slip_on(p, state, memory, pressure, time, duration, tolerance):
 def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
     if state.plan_plain == 1.0 and glide(p, state, pressure, duration):
-        follow_steadily(p, state)
+        drag_linkage(p, state)
     else:
         slip_on(p, state, memory, pressure, time, duration, tolerance)
 
@@ -207,7 +203,7 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
             return
         length = lay_part(p, state, memory, drive, now, left, tolerance)
         if state.plan_plain == 1.0 and glide_part(p, state, memory):
-            follow_steadily(p, state)
+            drag_linkage(p, state)
         else:
             move_by_events(p, state, memory, now, 0.0, length, tolerance)
         used = duration if left - length <= ROUNDING else used + length
@@ -262,7 +258,7 @@ def anchor_stem(p, state, reading, time):
     if abs(shift) <= p.anchor_tolerance:
         return
     state.position += shift
-    state.linkage += shift
+    shift_linkage(state, shift)
     settle_reading(p, state)
 
 

@@ -51,7 +51,7 @@ STATE = np.dtype(
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
             "part_aim", "rest_drive", "chamber_rate", "filled_rate",
             "position", "velocity", "mode", "bristle", "trial_step",
-            "linkage", "lagged_reading", "less_lagged_reading",
+            "linkage", "tight_linkage", "loose_linkage", "lagged_reading", "less_lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
             "plan_series", "plan_bowed", "plan_plain", "plan_steady", "plan_falling", "plan_share",
             "plan_moving", "plan_current", "plan_delayed", "plan_longest",

@@ -23,6 +23,7 @@ from valvemodel.chain import (
 from valvemodel.compiled import compiled, inlined
 from valvemodel.parameters import MOST_NOTED
 from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_current
+from valvemodel.stages.linkage import drag_both, dragged
 from valvemodel.stages.motion import remember_glide
 from valvemodel.stages.nozzle import advance_nozzle, static_pressure
 from valvemodel.stages.sensor import read_sensor, reads_plainly
@@ -70,6 +71,7 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
     hold_low = -state.plan_falling_friction * state.plan_ratio
     hold_high = state.plan_rising_friction * state.plan_ratio
     position, velocity, linkage, side = state.position, state.velocity, state.linkage, state.mode
+    is_worn = p.backlash_wear > 0.0
     positions[0] = linkage
     sample, last = np.uint64(0), np.uint64(time.shape[0] - 1)
     while sample < last:
@@ -92,7 +94,11 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
                 if not ((side * speed >= stick_speed) & (lowest <= end) & (end <= highest)):
                     break
                 position, velocity = end, speed
-                linkage = min(max(linkage, position - play), position + play)
+                if is_worn:
+                    drag_both(p, state, position)
+                    linkage = state.linkage
+                else:
+                    linkage = dragged(linkage, position, play)
                 sample += ONE
                 positions[sample] = linkage
                 if sample == last:

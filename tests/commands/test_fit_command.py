@@ -90,7 +90,7 @@ def test_model_goes_into_simulate_and_several_records_into_one_fit(command, made
     assert result.exit_code == 0, result.output
     content = fitted(tmp_path / "both")
     assert content["effects"] == ["linkage_backlash"]
-    assert set(content["parameters"]) == {*BASE, "backlash_half_width", "backlash_start"}
+    assert set(content["parameters"]) == {*BASE, "backlash_half_width", "backlash_start", "backlash_wear"}
     assert content["unseen"] == "other records"
     assert set(content["start_positions"]) == {"made", "short"}
     result = command("simulate", "--model", "both/model.json", "--input", made_up, "--out", "out.csv")

@@ -22,7 +22,9 @@ def slip(model: Model, point: OperatingPoint, time: np.ndarray, change: float) -
     friction = point.side * point.friction
     state["hysteresis"] = point.side
     state["position"], state["velocity"], state["mode"] = point.position, point.side * point.speed, point.side
-    state["linkage"] = point.position - point.side * model.numbers.get("backlash_half_width", 0.0)
+    play, wear = (model.numbers.get(name, 0.0) for name in ("backlash_half_width", "backlash_wear"))
+    for name, width in [("linkage", 1.0), ("tight_linkage", 1.0 - wear), ("loose_linkage", 1.0 + wear)]:
+        state[name] = point.position - point.side * play * width
     state["lagged_reading"] = state["less_lagged_reading"] = point.reading
     state["bristle"] = friction
     rows = [(valve.pressure, valve.position, point.reading)]

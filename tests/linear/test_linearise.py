@@ -44,6 +44,9 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     "sag from the nozzle's air": valve(supply_droop={"droop_consumption": 0.3, "droop_recovery_time": 0.05}),
     "two lags": valve(sensor_lag={"sensor_time_constant": 4e-3, "sensor_second_time_constant": 2e-3}),
     "a filter alone": valve(sensor_lag={"sensor_time_constant": 0.0, "sensor_second_time_constant": 3e-3}),
+    "a worn joint": valve(
+        linkage_backlash={"backlash_half_width": 2e-3, "backlash_wear": 0.4}, sensor_lag=QUICK["sensor_lag"]
+    ),
     "progressive": valve(spring_hardening={"spring_hardening": 2.0, "spring_progression": 1.5}),
     "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2, "turbulent_leak_ratio": 0.3}),
     "many": valve(

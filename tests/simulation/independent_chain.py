@@ -184,10 +184,13 @@ class IndependentChain:
     # Sensor.
 
     def linkage_at(self, y):
-        """Where the play leaves the linkage: dragged by the stem, or where it was."""
-        if self.drag == 0:
-            return self.linkage
-        return y - self.drag * self.backlash_half_width
+        """Where its plays leave the linkage: the mean of both, each dragged by the stem or where it was."""
+        return 0.5 * sum(self.part_at(number, y) for number in (0, 1))
+
+    def part_at(self, number, y):
+        if self.drag[number] == 0:
+            return self.parts[number]
+        return y - self.drag[number] * self.half_widths[number]
 
     def bow(self, z):
         share = z / self.rated_travel
@@ -229,9 +232,9 @@ class IndependentChain:
                     return max(excess, side * self.rates(t, x, current)[SPEED])
 
                 events["rest"] = rest
-            if self.drag != side:
-                b = self.backlash_half_width
-                events["contact"] = lambda t, x: b - side * (x[STEM] - self.linkage)
+            for number, b in enumerate(self.half_widths):
+                if self.drag[number] != side:
+                    events[f"contact {number}"] = lambda t, x, n=number, b=b: b - side * (x[STEM] - self.parts[n])
 
         def of(name):
             def function(t, x):
@@ -330,11 +333,11 @@ class IndependentChain:
             if blocked:
                 self.side = 0
             x[SPEED] = 0.0
-        if self.side != 0 and self.drag != self.side:
-            if self.drag != 0:
-                self.linkage, self.drag = x[STEM] - self.drag * self.backlash_half_width, 0
-            if self.side * (x[STEM] - self.linkage) >= self.backlash_half_width - 1e-13:
-                self.drag = self.side
+        for number, half_width in enumerate(self.half_widths):
+            if self.side != 0 and self.drag[number] != self.side:
+                self.parts[number], self.drag[number] = self.part_at(number, x[STEM]), 0
+                if self.side * (x[STEM] - self.parts[number]) >= half_width - 1e-13:
+                    self.drag[number] = self.side
 
     def rates_at_rest(self, time, x, current):
         """How fast the thrust on a stem at rest changes."""
@@ -349,15 +352,17 @@ class IndependentChain:
             x[STEM] = self.highest if self.side > 0 else self.lowest
         if {"stop", "rest", "limit"} & set(met):
             x[SPEED], self.side = 0.0, 0
-        if "contact" in met:
-            self.drag = self.side
+        for number in (0, 1):
+            if f"contact {number}" in met:
+                self.drag[number] = self.side
         if "rise" in met or "fall" in met:
             self.side = 1 if "rise" in met else -1
             x[SPEED] = 0.0
 
     def run(self, time, currents):
         """Readings before each period, from rest in the middle of the stuck band. [m]"""
-        self.side, self.drag, self.now = 0, 0, 0.0
+        self.side, self.drag, self.now = 0, [0, 0], 0.0
+        self.half_widths = [self.backlash_half_width * (1.0 + way * self.backlash_wear) for way in (-1.0, 1.0)]
         x = np.zeros(10)
         x[FLUX] = currents[0]
         share = self.share(self.gap(currents[0], 0.0, 0.0))
@@ -367,7 +372,8 @@ class IndependentChain:
         pressure = self.behind_leak(x[FILLED])
         x[STEM] = brentq(lambda y: self.thrust(0.0, y, pressure), -1.0, 2.0, xtol=1e-16, rtol=1e-15)
         x[READING] = x[FILTERED] = self.bow(x[STEM])
-        self.linkage = x[STEM]
+        self.parts = [x[STEM] - self.backlash_start * (self.backlash_half_width - half) for half in self.half_widths]
+        x[STEM] -= self.backlash_start * self.backlash_half_width
         readings = []
         for sample, current in enumerate(currents):
             readings.append(self.reading(x))

@@ -142,6 +142,18 @@ def test_derivatives_of_a_step_behind_two_lags_agree_with_differences(pair):
     check_derivatives(with_two_lags(*pair))
 
 
+WORN = {"backlash_half_width": 3e-3, "backlash_start": 0.5, "backlash_wear": 0.4}
+
+
+def test_worn_joint_converges_to_the_exact_run():
+    off = apart(base().with_effect("linkage_backlash", **WORN), 1e-2)
+    assert np.sqrt(np.mean(off**2)) < 2e-7
+
+
+def test_derivatives_of_a_step_behind_a_worn_joint_agree_with_differences():
+    check_derivatives(base().with_effect("linkage_backlash", **WORN))
+
+
 def test_derivatives_of_a_step_on_sliders_and_curved_bristles_agree_with_differences():
     law = {"bristle_damping": 400.0, "bristle_exponent": 1.4, "slider_share": 0.5}
     check_derivatives(base().with_effect("presliding", presliding_compliance=2e-6, **law))
@@ -171,7 +183,16 @@ def check_derivatives(model: Model) -> None:
 
 def scale_of(chain: SmoothChain) -> np.ndarray:
     """Size of each state. [SI]"""
-    sizes = {"position": 0.1, "velocity": 0.1, "linkage": 0.1, "lagged_reading": 0.1, "bristle": 1e3, "time": 1.0}
+    sizes = {
+        "position": 0.1,
+        "velocity": 0.1,
+        "linkage": 0.1,
+        "tight_linkage": 0.1,
+        "loose_linkage": 0.1,
+        "lagged_reading": 0.1,
+        "bristle": 1e3,
+        "time": 1.0,
+    }
     return np.array([1e5 if "pressure" in name or name == "droop" else sizes.get(name, 1e-2) for name in chain.states])
 
 

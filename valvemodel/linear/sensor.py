@@ -12,7 +12,9 @@ from valvemodel.linear.point import OperatingPoint, evaluate
 
 TREATMENTS = {
     "linkage_backlash": Treatment(
-        False, "in slip the play is taken up; stuck, the reading does not move within it; see the describing function"
+        False,
+        "in slip all play is taken up; stuck, the reading does not move within it, or within the least of a worn "
+        "joint; the describing function is that of a play, or the mean of two",
     ),
     "quantisation": Treatment(False, "a rounding has no slope: the reading is taken before it"),
     "sensor_drift": Treatment(False, "a disturbance: the point is taken at the start"),
@@ -26,7 +28,7 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     play = numbers["backlash_half_width"]
     slope = evaluate(numeric.reading_by_position, numbers, position=point.position - point.side * play)
     if point.side == 0.0 and play > 0.0:
-        slope = 0.0
+        slope *= 0.5 if numbers["backlash_wear"] == 1.0 else 0.0
     return [
         gain("linkage", slope, "position", "indicated_position"),
         lag("transmitter", numbers["sensor_time_constant"], "reading", "indicated_position", "unfiltered_reading"),

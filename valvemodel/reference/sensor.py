@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil, exp, expm1, floor, sqrt
 from types import SimpleNamespace
 
@@ -22,32 +23,45 @@ class Sensor:
 
     def __init__(self, numbers: SimpleNamespace, position: float) -> None:
         self.numbers = numbers
-        self.linkage = position
+        # A worn joint has two plays side by side; the linkage goes half the way of each.
+        self.half_widths = [numbers.backlash_half_width * (1.0 + sign * numbers.backlash_wear) for sign in (-1.0, 1.0)]
+        spread = numbers.backlash_start * numbers.backlash_half_width * numbers.backlash_wear
+        self.parts = [position - spread, position + spread]
         self.filtered = self.lagged = bowed(numbers, position)
         # Two lags in series may stand in either order.
         self.shorter, self.longer = sorted((numbers.sensor_time_constant, numbers.sensor_second_time_constant))
 
+    @property
+    def linkage(self) -> float:
+        """Where the linkage is. [m]"""
+        return 0.5 * sum(self.parts)
+
     def follow(self, motion: Motion, duration: float) -> None:
         """Follow a stem that moves to one side for a duration."""
-        before = self.linkage
+        before = self.parts
+
+        def part(number: int, instant: float) -> float:
+            """Play: the stem takes the part along once it touches."""
+            position, play = motion(instant)[0], self.half_widths[number]
+            return min(max(before[number], position - play), position + play)
 
         def linkage(instant: float) -> float:
-            """Play: the stem takes the linkage along once it touches."""
-            position = motion(instant)[0]
-            play = self.numbers.backlash_half_width
-            return min(max(before, position - play), position + play)
+            return 0.5 * (part(0, instant) + part(1, instant))
 
-        self.linkage = linkage(duration)
+        def touch(number: int) -> float:
+            return first_instant(lambda instant: part(number, instant) != before[number], duration)
+
+        self.parts = [part(number, duration) for number in (0, 1)]
         if self.longer == 0.0:
             return
-        touch = duration
-        if self.linkage != before:
-            touch = first_instant(lambda t: linkage(t) != before, duration)
-        self.approach(lambda _: before, 0.0, touch)
-        panels = ceil((duration - touch) / PANEL)
-        for panel in range(panels):
-            width = (duration - touch) / panels
-            self.approach(linkage, touch + panel * width, width)
+        touched = [touch(number) for number in (0, 1) if self.parts[number] != before[number]]
+        kinks = sorted({*touched, duration})
+        self.approach(lambda _: 0.5 * sum(before), 0.0, kinks[0])
+        for start, end in pairwise(kinks):
+            panels = ceil((end - start) / PANEL)
+            for panel in range(panels):
+                width = (end - start) / panels
+                self.approach(linkage, start + panel * width, width)
 
     def approach(self, linkage, start: float, duration: float) -> None:
         """Lags: T q' = z - q, T2 r' = q - r; their solution as integrals over the linkage's positions z."""

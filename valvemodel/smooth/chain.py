@@ -30,7 +30,8 @@ SCALES = {
     **dict.fromkeys(electromagnet.PLAY_STATES, 1e-3),
     "droop": 1e4, "supplied_pressure": 1e4, "chamber_pressure": 1e4, "filled_pressure": 1e4, "pressure": 1e4,
     "position": 1e-2, "velocity": 1e-1, "bristle": 1e2, **dict.fromkeys(stem.SLIDER_STATES, 1e-4),
-    "linkage": 1e-2, "lagged_reading": 1e-2, "less_lagged_reading": 1e-2, "time": 1.0,
+    "linkage": 1e-2, "tight_linkage": 1e-2, "loose_linkage": 1e-2,
+    "lagged_reading": 1e-2, "less_lagged_reading": 1e-2, "time": 1.0,
 }  # fmt: skip
 """Size of a change of each state that counts. [SI]"""
 
@@ -83,12 +84,13 @@ class SmoothChain:
         self.remembers = model.numbers.get("return_point_memory", 0.0) > 0.0
         self.slides = model.numbers.get("slider_share", 0.0) > 0.0
         self.filters = model.numbers.get("sensor_second_time_constant", 0.0) > 0.0
+        self.wears = model.numbers.get("backlash_wear", 0.0) > 0.0
         self.parameters = (*numbers, WIDTH)
         self.states = (
             *electromagnet.states_of(self.effects, remembers=self.remembers),
             *nozzle.states_of(self.effects),
             *stem.states_of(self.effects, slides=self.slides),
-            *sensor.states_of(self.effects, filters=self.filters),
+            *sensor.states_of(self.effects, filters=self.filters, wears=self.wears),
             *(("time",) if self.effects & TIMED else ()),
         )
         self.part = self._make_part()
@@ -111,7 +113,8 @@ class SmoothChain:
     def _p(self) -> Any:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
-        p.effects, p.remembers, p.slides, p.filters = self.effects, self.remembers, self.slides, self.filters
+        p.effects, p.remembers, p.slides = self.effects, self.remembers, self.slides
+        p.filters, p.wears = self.filters, self.wears
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
         p.is_affine = self.model.values["pressure_per_current"] > 0.0

@@ -16,9 +16,9 @@ BOW_STEPS = 4
 """Newton's steps from a reading to the position that a bowed linkage indicates so."""
 
 
-def states_of(effects: Collection[str], *, filters: bool) -> tuple[str, ...]:
-    """Return the names of the states that the effects need; one more where the reading is filtered too."""
-    play = ("linkage",) if "linkage_backlash" in effects else ()
+def states_of(effects: Collection[str], *, filters: bool, wears: bool) -> tuple[str, ...]:
+    """Return the names of the states that the effects need; one more where the reading is filtered, or a joint worn."""
+    play = (("tight_linkage", "loose_linkage") if wears else ("linkage",)) if "linkage_backlash" in effects else ()
     lags = ("lagged_reading", "less_lagged_reading")[: 1 + filters] if "sensor_lag" in effects else ()
     return play + lags
 
@@ -51,21 +51,34 @@ def rest_sensor(p: Any, x: Any) -> None:
     if p.filters:
         x.less_lagged_reading = x.lagged_reading
     if "linkage_backlash" in p.effects:
-        x.linkage = x.position
+        for name, half_width in plays(p).items():
+            setattr(x, name, x.position + p.backlash_start * (half_width - p.backlash_half_width))
         x.position -= p.backlash_start * p.backlash_half_width
 
 
 def follow_stem(p: Any, x: Any, before: Expression, duration: Expression) -> None:
     """Follow the stem to where it is now, from the indicated position before; a lag takes the way as even."""
     if "linkage_backlash" in p.effects:
-        behind = x.position - x.linkage
-        x.linkage += dead_zone(behind, p.backlash_half_width, p.backlash_half_width, p.smoothing_length)
+        for name, half_width in plays(p).items():
+            linkage = getattr(x, name)
+            pulled = dead_zone(x.position - linkage, half_width, half_width, p.smoothing_length)
+            setattr(x, name, linkage + pulled)
     if "sensor_lag" in p.effects:
         after = bow(p, indicated(p, x))
         longer, shorter = time_constants(p)
         x.lagged_reading = lag_behind(x.lagged_reading, before, after, duration, longer)
         if p.filters:
             x.less_lagged_reading = lag_behind(x.less_lagged_reading, before, after, duration, shorter)
+
+
+def plays(p: Any) -> dict[str, Expression]:
+    """Return half the play between the stem and each part of the linkage, by the name of its state. [m]"""
+    if not p.wears:
+        return {"linkage": p.backlash_half_width}
+    return {
+        "tight_linkage": p.backlash_half_width * (1.0 - p.backlash_wear),
+        "loose_linkage": p.backlash_half_width * (1.0 + p.backlash_wear),
+    }
 
 
 def lag_behind(
@@ -86,8 +99,10 @@ def time_constants(p: Any) -> tuple[Expression, Expression]:
 
 
 def indicated(p: Any, x: Any) -> Expression:
-    """Return the position of the linkage. [m]"""
-    return x.linkage if "linkage_backlash" in p.effects else x.position
+    """Return the position of the linkage: half way between the parts of a worn joint. [m]"""
+    if "linkage_backlash" not in p.effects:
+        return x.position
+    return 0.5 * (x.tight_linkage + x.loose_linkage) if p.wears else x.linkage
 
 
 def read_sensor(p: Any, x: Any, time: Expression) -> Expression:

@@ -6,6 +6,7 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
+from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
 from valvemodel.stages.response import remember_response
@@ -30,7 +31,7 @@ from valvemodel.stages.stem import (
 )
 from valvemodel.stages.step import lay_motion
 from valvemodel.stages.transmitter import has_lag
-from valvemodel.stages.travel import MEETING, TOUCHING, advance_travel
+from valvemodel.stages.travel import MEETING, advance_travel
 
 HOLD = 1e-12
 """Share of the breakaway force by which it must be exceeded: the tail of a creep would chatter about it by rounding."""
@@ -388,12 +389,6 @@ def leave_trace(state, mass, damping, stiffness, speed, acceleration, next_speed
     state.trace_velocity, state.trace_acceleration = state.mode * speed, state.mode * acceleration
     state.trace_next_velocity = state.mode * next_speed
     state.trace_next_acceleration = state.mode * next_acceleration
-
-
-@compiled
-def way_to_contact(p, state, side):
-    """Return how far the stem still goes before its play is taken up. [m]"""
-    return side * (state.linkage - state.position) + p.backlash_half_width
 
 
 @compiled

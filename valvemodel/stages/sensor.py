@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages.bow import bow
+from valvemodel.stages.linkage import drag_linkage, part_dragged, rest_linkage
 from valvemodel.stages.transmitter import follow_linkage, has_lag, lagged_reading, settle_reading
 
 EFFECTS = (
@@ -14,12 +15,23 @@ EFFECTS = (
         key="linkage_backlash",
         stage="sensor",
         title="linkage backlash",
-        meaning="play between stem and transmitter",
-        equation=r"z = \min(\max(z, y - b), y + b)",
-        source="play operator, Krasnosel'skii and Pokrovskii (1989)",
+        meaning="play between stem and transmitter, which a worn joint takes up in two stages",
+        equation=r"z = (z_- + z_+)/2,\quad z_\pm = \min(\max(z_\pm, y - b_\pm), y + b_\pm),\quad "
+        r"b_\pm = b\,(1 \pm w)",
+        source="play operator, Krasnosel'skii and Pokrovskii (1989); two side by side, the operator of Prandtl and "
+        "Ishlinskii, Brokate and Sprekels (1996)",
         parameters=(
             Parameter("backlash_half_width", "m", "b: half the play", 0.0, 0.03, 0.0, (1e-3, 4e-3)),
             Parameter("backlash_start", "1", "where in the play the linkage starts", -1.0, 1.0, 0.0, (0.0,)),
+            Parameter(
+                "backlash_wear",
+                "1",
+                "w: part of b by which one stage is tighter, the other looser",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 0.4),
+            ),
         ),
         aliases=("none", "magnetic_hysteresis"),
         told_apart_by="a second position sensor at the stem, or the pressure at which the stem itself starts",
@@ -131,16 +143,6 @@ EFFECTS = (
 )
 
 
-@inlined
-def follow_steadily(p, state):
-    """Follow a stem that has moved one way, without a lag."""
-    position = state.position
-    if p.backlash_half_width == 0.0:
-        state.linkage = position
-    else:
-        state.linkage = min(max(state.linkage, position - p.backlash_half_width), position + p.backlash_half_width)
-
-
 @compiled
 def follow_stem(p, state, memory, before, after, duration):
     """Follow a stem that moves one way from one position to another within a duration.
@@ -148,11 +150,10 @@ def follow_stem(p, state, memory, before, after, duration):
     The lag is exact behind a straight linkage; what a bow adds is a polynomial through the nodes of the step.
     """
     was = state.linkage
-    follow_steadily(p, state)
+    drag_linkage(p, state)
     if has_lag(p) and duration > 0.0:
-        # A step ends where the play closes: what the linkage moves in it is rounding.
-        is_dragged = 2.0 * abs(state.linkage - was) > abs(after - before)
-        follow_linkage(p, state, memory, was, is_dragged, duration)
+        part = part_dragged(p, abs(state.linkage - was), abs(after - before))
+        follow_linkage(p, state, memory, was, part, duration)
 
 
 @compiled
@@ -189,5 +190,5 @@ def read_sensor(p, state, time):
 @compiled
 def rest_sensor(p, state):
     """Put the sensor at rest on the stem, in the middle of its play."""
-    state.linkage = state.position
+    rest_linkage(p, state, state.position)
     settle_reading(p, state)

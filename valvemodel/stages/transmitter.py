@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.bow import bow, bow_slope
 from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.linkage import dragged_place
 from valvemodel.stages.nodes import slope_at
 
 NEAR_POLE = 1e-6
@@ -34,63 +35,61 @@ def time_constants(p):
 
 
 @inlined
-def follow_linkage(p, state, memory, was, is_dragged, duration):
-    """Follow the linkage through a step from a position to where it is: each lag on its own."""
+def follow_linkage(p, state, memory, was, part, duration):
+    """Follow the linkage, of which the stem drags a part, through a step to where it is: each lag on its own."""
     if p.sensor_second_time_constant > 0.0:
-        follow_twice(p, state, memory, was, is_dragged, duration)
+        follow_twice(p, state, memory, was, part, duration)
         return
     time_constant = p.sensor_time_constant
     if state.lag_duration != duration:
         state.lag_duration, state.lag_decay = duration, math.exp(-duration / time_constant)
     state.lagged_reading = lag_behind(
-        p, state, memory, 4, time_constant, was, is_dragged, state.lagged_reading, state.lag_decay
+        p, state, memory, 4, time_constant, was, part, state.lagged_reading, state.lag_decay
     )
 
 
 @compiled
-def follow_twice(p, state, memory, was, is_dragged, duration):
+def follow_twice(p, state, memory, was, part, duration):
     """Follow the linkage with two lags, apart from the common case of one, which it would slow down."""
     longer, shorter = time_constants(p)
     if state.lag_duration != duration:
         state.lag_duration = duration
         state.lag_decay = math.exp(-duration / longer)
         state.shorter_lag_decay = math.exp(-duration / shorter) if shorter > 0.0 else 0.0
-    state.lagged_reading = lag_behind(
-        p, state, memory, 4, longer, was, is_dragged, state.lagged_reading, state.lag_decay
-    )
+    state.lagged_reading = lag_behind(p, state, memory, 4, longer, was, part, state.lagged_reading, state.lag_decay)
     if shorter > 0.0:
         state.less_lagged_reading = lag_behind(
-            p, state, memory, 5, shorter, was, is_dragged, state.less_lagged_reading, state.shorter_lag_decay
+            p, state, memory, 5, shorter, was, part, state.less_lagged_reading, state.shorter_lag_decay
         )
 
 
 @inlined
-def lag_behind(p, state, memory, place, time_constant, was, is_dragged, reading, decay):
-    """Return a lagged reading at the end of a step that began at a position of the linkage. [m]"""
+def lag_behind(p, state, memory, place, time_constant, was, part, reading, decay):
+    """Return a lagged reading at the end of a step through which the stem drags a part of the linkage. [m]"""
     start, end = bow(p, was), bow(p, state.linkage)
     behind = start - reading
-    if not is_dragged:
+    if part == 0.0:
         return end - behind * decay
-    gain = (end - start) / (state.linkage - was)
+    gain = part * (end - start) / (state.linkage - was)
     of_velocity, of_acceleration = lag_of_slip(time_constant, state.trace_damping, state.trace_stiffness)
     forced = gain * (of_velocity * state.trace_velocity + of_acceleration * state.trace_acceleration)
     following = gain * (of_velocity * state.trace_next_velocity + of_acceleration * state.trace_next_acceleration)
     if memory.trace_count > 0.0:
-        following += lag_of_pulls(p, memory, place, time_constant, gain, of_acceleration)
+        following += lag_of_pulls(p, state, memory, place, time_constant, part, gain, of_acceleration)
     return end - following - (behind - forced) * decay
 
 
 @compiled
-def lag_of_pulls(p, memory, place, time_constant, gain, of_acceleration):
+def lag_of_pulls(p, state, memory, place, time_constant, part, gain, of_acceleration):
     """Return how far a lagged reading is further behind an integrated step: by its pulls, and by a bow. [m]"""
     count, side, spacing = int(memory.trace_count), memory.step_side, memory.step_spacing
-    lag, play = memory.lags[place], side * p.backlash_half_width
+    lag = memory.lags[place]
     remember_lag(lag, 1.0 / time_constant, spacing, count)
     for node in range(count + 1):
         # The lag's own acceleration factor feeds on the slope of the pulls.
         source = -of_acceleration * gain * slope_at(count, memory.pull_powers, float(node)) / spacing
-        position = memory.step_position + side * memory.ways[node] - play
-        source += (bow_slope(p, position) - gain) * memory.speeds[node]
+        linkage = dragged_place(p, state, side, part, memory.step_position + side * memory.ways[node])
+        source += (part * bow_slope(p, linkage) - gain) * memory.speeds[node]
         memory.forces[node] = side * source
     follow_nodes(lag, 0.0, memory.forces, memory.powers, memory.values)
     return memory.values[count]

@@ -6,6 +6,7 @@ import math
 
 from valvemodel.compiled import compiled
 from valvemodel.stages.bow import bow_left_out
+from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_powers, slope_at, value_at
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
@@ -26,9 +27,6 @@ BEYOND = 1.05
 
 MEETING = 1e-3
 """Share of the tolerance within which an event is met."""
-
-TOUCHING = 1e-12
-"""Play within this of being taken up is taken up. [m]"""
 
 ROUNDS = 40
 """Most trials of the length of a step that ends at an event; bisection alone gains a digit with three."""
@@ -63,7 +61,7 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
     contact = math.inf
     if has_lag(p):
-        contact = state.mode * (state.linkage - state.position) + p.backlash_half_width
+        contact = way_to_contact(p, state, state.mode)
     if has_sliders(p) and state.plan_elastic == 1.0:
         contact = min(contact, way_to_sliding(p, state, state.mode, memory.limits[0]))
     for _ in range(ROUNDS):
