@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 
-from diagnosis.trying import Candidate, Progress, Work, misfit, try_all
+from diagnosis.explaining import explains, misfit
+from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import OFF_THE_LINE, bent_line, straight_line
 from identification.holdout import Holdout
 from valvemodel.effects import effect_of_key
@@ -58,6 +59,8 @@ def beside_slips(
     others = [each for each in bent[1:] if each.line.error < within][:OTHERS]
     work = [Work(bent[0].fit, (bent[0].effect.key, *each.effects), is_global=True) for each in makers[:MAKERS]]
     found = try_all(work, holdout, pool, progress, "two effects together")
-    law = min(found, key=misfit).effects[1]
-    work = [Work(each.fit, (each.effect.key, law), is_global=True) for each in others]
+    best = min(found, key=misfit)
+    if explains(best, alone[0]):
+        return found
+    work = [Work(each.fit, (each.effect.key, best.effects[1]), is_global=True) for each in others]
     return found + try_all(work, holdout, pool, progress, "two effects together")

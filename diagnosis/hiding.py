@@ -7,9 +7,9 @@ from concurrent.futures import Executor
 
 import numpy as np
 
+from diagnosis.explaining import explains, misfit
 from diagnosis.judgement import judge
-from diagnosis.selection import explains
-from diagnosis.trying import Candidate, Progress, Work, misfit, try_all
+from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from diagnosis.explaining import explains
 from diagnosis.score import Errors, Score
-from diagnosis.selection import explains, stops_seen
+from diagnosis.selection import stops_seen
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key
 

@@ -8,7 +8,8 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.trying import Candidate, Progress, Work, misfit, try_all
+from diagnosis.explaining import explains, misfit
+from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.screening import screened
@@ -16,9 +17,6 @@ from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
-
-GENEROUS = 4.0
-"""Factor by which two effects may leave more than one, in square, before a third is looked for."""
 
 LEADERS = 2
 """Best causes that are tried with one more effect."""
@@ -31,12 +29,6 @@ SHORTLIST_SLOW = 2
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
-
-GOOD_ENOUGH = 1.3
-"""Mean weighted square up to which what is left is below notice."""
-
-FORM_SHARE = 0.05
-"""Share of the base's error, in root mean square, that the right effect may leave for another form than ours."""
 
 NEAR_THE_BEST = 2.0
 """Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
@@ -275,16 +267,6 @@ def stops_seen(fit: Fit) -> bool:
         return True
     stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
     return max(stops) >= LEAST_STOPS
-
-
-def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:
-    """Return whether a cause leaves so little that no further effect is looked for.
-
-    What is left is below notice, beside a small part of what the base left: as much as the right effect leaves when it
-    has another form than ours; several effects, judged generously, leave more.
-    """
-    allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
-    return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
 
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from diagnosis.selection import GOOD_ENOUGH, best_of
-from diagnosis.trying import Candidate, misfit
+from diagnosis.explaining import GOOD_ENOUGH, misfit
+from diagnosis.selection import best_of
+from diagnosis.trying import Candidate
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
 from identification.fit import Fit, fit_base

@@ -45,11 +45,6 @@ class Candidate:
     freedom: int = 0
 
 
-def misfit(candidate: Candidate) -> float:
-    """Return how far a cause is from unseen data: 1 where the noise is reached."""
-    return candidate.score.misfit
-
-
 @dataclass(frozen=True)
 class Work:
     """One extension to be tried.

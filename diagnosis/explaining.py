@@ -1,0 +1,29 @@
+"""How far a cause is from unseen data, and whether that leaves something to explain."""
+
+from __future__ import annotations
+
+from diagnosis.trying import Candidate
+
+GOOD_ENOUGH = 1.3
+"""Mean weighted square up to which what is left is below notice."""
+
+FORM_SHARE = 0.05
+"""Share of the base's error, in root mean square, that the right effect may leave for another form than ours."""
+
+GENEROUS = 4.0
+"""Factor by which two effects may leave more than one, in square, before a third is looked for."""
+
+
+def misfit(candidate: Candidate) -> float:
+    """Return how far a cause is from unseen data: 1 where the noise is reached."""
+    return candidate.score.misfit
+
+
+def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:
+    """Return whether a cause leaves so little that no further effect is looked for.
+
+    What is left is below notice, beside a small part of what the base left: as much as the right effect leaves when it
+    has another form than ours; several effects, judged generously, leave more.
+    """
+    allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
+    return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
