@@ -47,6 +47,9 @@ FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.1, 0.7
 """The same as FORM and UNKNOWN_FORM in a record with stairs: there the phase of slips is lost soon though the cause is
 right, and large errors count by their logarithm."""
 
+FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
+"""The same for a cause that makes the stem stop and jump, in a record without stairs."""
+
 BLOCK_WORTH = 0.5
 """Sharpness that a scored block in time is worth, up to the whole of it."""
 
@@ -89,7 +92,8 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     sharpness = sharpness_of(base)
     has_stairs = any(each.has_stairs for each in candidates[0].fit.problem.experiments)
     has_stops = stops_seen(candidates[0].fit)
-    form, unknown_form = (FORM_STAIRS, UNKNOWN_FORM_STAIRS) if has_stairs else (FORM, UNKNOWN_FORM)
+    slips = np.array([makes_slips(each) for each in candidates])
+    form = np.where(slips, FORM_SLIPS, FORM) if not has_stairs else np.full(len(slips), FORM_STAIRS)
     left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
     allowed = NOTICE + form * before
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
@@ -99,8 +103,9 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
         evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])
     support[[not is_felt(each) for each in candidates]] = -np.inf
-    reached = before[int(np.argmax(support))]
-    expected = (UNKNOWN_NOTICE + unknown_form * reached) / (NOTICE + (1.0 + form) * reached)
+    best = int(np.argmax(support))
+    unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
+    expected = (UNKNOWN_NOTICE + unknown_form * before[best]) / (NOTICE + (1.0 + form[best]) * before[best])
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
@@ -137,6 +142,11 @@ def without_gain(mine: Errors, base: Errors, block: int) -> float:
 def excess(free: float, anchored: float) -> float:
     """Return the squared error beyond the noise, of the geometric mean of free and re-anchored run. [noise^2]"""
     return max(math.sqrt(free * anchored) - 1.0, 0.0)
+
+
+def makes_slips(candidate: Candidate) -> bool:
+    """Return whether a cause makes the stem stop and jump."""
+    return any(effect_of_key(key).breakaway for key in candidate.fit.model.effects)
 
 
 def can_stop(candidate: Candidate) -> bool:

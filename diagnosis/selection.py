@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import explains, misfit
-from diagnosis.trying import Candidate, Progress, Work, try_all
+from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.screening import screened
@@ -30,8 +30,12 @@ SHORTLIST_SLOW = 2
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
 
+SHARPENED = 2
+"""Best causes that are searched about where they make the stem stop and jump, and leave something to explain."""
+
 NEAR_THE_BEST = 2.0
-"""Causes whose squared error is within this factor of the best of their size are tried with one more effect."""
+"""Causes whose squared error is within this factor of the best of their size are tried with one more effect, or
+searched about."""
 
 WORTH_ANOTHER = 0.3
 """Share by which one more effect must lower the error for yet another to be looked for."""
@@ -104,7 +108,9 @@ def try_together(
     alone : sequence of Candidate
         The base, then the effects one by one.
     """
-    tried, base = [*alone, *beside_slips(alone, holdout, pool, progress)], alone[0]
+    base = alone[0]
+    alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
+    tried = [*alone, *beside_slips(alone, holdout, pool, progress)]
     single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
     for size in range(2, MOST_EFFECTS + 1):
         if explains(min(tried, key=misfit), base, generous=size > 2):
@@ -122,6 +128,8 @@ def try_together(
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         for _ in range(ALIAS_ROUNDS if size == 2 else 0):
             tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
+        for choice in (best_of(tried, 2), aliases_of_best(tried)) if size == 2 else ():
+            tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -136,6 +144,24 @@ def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
         return min(NO_GAIN * smaller, FAR_BEHIND * least)
 
     return [replace(each, worth=worth(len(each.effects))) for each in work]
+
+
+def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
+    """Return those of the first of some causes whose search may have ended beside the least error."""
+    near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+    return [each for each in near if is_blunt(each) and not explains(each, base)]
+
+
+def is_blunt(candidate: Candidate) -> bool:
+    """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    return any(each.breakaway for each in effects) and not any(each.is_chaotic for each in effects)
+
+
+def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes of two effects that differ from the best one by a declared alias, the best first."""
+    best, *others = best_of(tried, 2)
+    return [each for each in others if differ_by_aliases(each.effects, best.effects)]
 
 
 def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing import get_context
 
 import numpy as np
@@ -16,6 +17,7 @@ from diagnosis.score import Score, score_fit
 from identification.extension import extend, extend_from
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.sharpening import sharpened
 from valvemodel.effects import effect_of_key
 
 Progress = Callable[[str, float], None]
@@ -106,6 +108,12 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
 
 
+def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
+    """Search about the fit of a cause whose error is jagged, and score it anew."""
+    fit = sharpened(candidate.fit)
+    return replace(candidate, fit=fit, score=score_fit(fit, holdout), trace=trace_of(fit, holdout))
+
+
 def trace_of(fit: Fit, holdout: Holdout) -> float:
     """Return by how much the readings change when the least of a fit's effects is taken out. [noise]"""
     changes = []
@@ -131,3 +139,13 @@ def try_all(
         progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
         done.append(jobs[number].result() if jobs else try_effect(each, holdout))
     return done
+
+
+def sharpen_all(
+    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Search about the fits of some causes, on all cores where there is a pool."""
+    if not candidates:
+        return []
+    progress(f"searching about {' + '.join(candidates[0].effects)}", 0.0)
+    return list((pool.map if pool else map)(partial(sharpen, holdout=holdout), candidates))

@@ -14,13 +14,16 @@ from identification.hints import starts_of
 from identification.problem import Problem
 from identification.screening import joined, residual_positions
 from identification.search import Found, errors
-from identification.stick_slip import BENT_BY_NONE, line_of_stairs
+from identification.stick_slip import BENT_BY_NONE
 from valvemodel.declarations import Effect
 
 STRAIGHT = frozenset(
     {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "asymmetric_viscous_friction"}
 )
 """Effects that leave force and reading of a rest as they are, but for a delay."""
+
+LEAST_BREAKAWAYS = 12
+"""Breakaways that a line needs which is bent."""
 
 OFF_THE_LINE = 0.3
 """Squared error of a breakaway from which a line does not explain it. [spread^2]"""
@@ -56,9 +59,13 @@ class BentLine:
 
 
 def straight_line(fit: Fit) -> Line | None:
-    """Return the line through the breakaways of a fit; None where it has none, or nothing is left to explain."""
-    line = line_of_stairs(fit.problem, fit.found.point)
-    return line if line and line.error > OFF_THE_LINE * line.count else None
+    """Return the line through the breakaways of a base valve; None where they are few, or lie on it well enough."""
+    breakaways = breakaways_of(fit.problem)
+    is_loop = any(experiment.is_loop for experiment in fit.problem.experiments)
+    if is_loop or len(breakaways.position) < LEAST_BREAKAWAYS:
+        return None
+    line = line_through(breakaways, fit.found.point)
+    return line if line.error > OFF_THE_LINE * line.count else None
 
 
 @threadpool_limits.wrap(limits=1)

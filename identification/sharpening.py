@@ -1,0 +1,67 @@
+"""Sharpening: a search about a fit whose error is jagged, where a descent has come to its end."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from identification.fit import Fit, finished
+from identification.problem import Problem
+from identification.search import Found, errors, roam_through
+
+REACH = 0.3
+"""How far the search goes along a principal direction, in changes of the residual over the residual."""
+
+SIZE, GENERATIONS, ROUNDS = 4, 20, 6
+"""Points for each unknown, generations of a round, and rounds: each begins anew where the one before ended."""
+
+WORTH_A_ROUND = 0.95
+"""Share of the error to which a round must have come for another one."""
+
+
+@threadpool_limits.wrap(limits=1)
+def sharpened(fit: Fit) -> Fit:
+    """Return the best of searches about a fit by the free and the re-anchored run in turn; by both together."""
+    free = fit.problem
+    yardsticks = (free, replace(free, is_anchored=True))
+
+    def misfit(point: np.ndarray) -> float:
+        return float(np.sqrt(np.prod([errors(each, point[None, :])[0] for each in yardsticks])))
+
+    best = fit.found.point
+    least = before = misfit(best)
+    for number in range(ROUNDS):
+        for each in yardsticks:
+            found = searched_about(each, best, number)
+            if misfit(found.point) < least:
+                best, least = found.point, misfit(found.point)
+        if least <= free.noise_error or least > WORTH_A_ROUND * before:
+            break
+        before = least
+    return finished(free, Found(best, float(errors(free, best[None, :])[0])))
+
+
+def searched_about(problem: Problem, centre: np.ndarray, seed: int) -> Found:
+    """Search about a scaled point, along the principal directions of the residuals, with a seed."""
+    error = float(errors(problem, centre[None, :])[0])
+    _, sizes, directions = np.linalg.svd(problem.jacobian(centre), full_matrices=False)
+    shape = np.clip(directions.T * (np.sqrt(2.0 * error) / np.maximum(sizes, 1e-9 * sizes[0])), -1.0, 1.0)
+    count = len(centre)
+    return roam_through(
+        problem,
+        partial(beside, problem, centre, shape),
+        [(-REACH, REACH)] * count,
+        size=SIZE,
+        generations=GENERATIONS,
+        enough=problem.noise_error,
+        seed=seed,
+        start=np.zeros(count),
+    )
+
+
+def beside(problem: Problem, centre: np.ndarray, shape: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    """Return the scaled points within the bounds that are so many steps from a centre, shape (p, unknowns)."""
+    return np.asarray(np.clip(centre + moves @ shape.T, *problem.bounds))
