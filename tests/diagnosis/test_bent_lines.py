@@ -1,0 +1,130 @@
+"""Stick-slip beside another effect: what bends the line through the breakaways, and the search on top of that."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.beside_slips import beside_the_best
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.score import score_fit
+from diagnosis.stairs import REACH
+from diagnosis.trying import Candidate, Work, sharpen, try_effect
+from identification.bent_lines import bent_line, straight_line
+from identification.breakaway import breakaways_of, line_through
+from identification.experiment import experiment_of
+from identification.extension import extend
+from identification.fit import fit_base
+from identification.holdout import hold_out
+from valvemodel.breakaways import ways_to_breakaway
+from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
+from valvemodel.records import Record
+
+
+def plant_and_base(given, seed: int, *keys: str, reach: float = REACH):
+    """Return a blind plant, what is held out of its record, and the base valve fitted to the rest."""
+    plant = draw_plant(seed, keys)
+    record = Record.from_arrays(name="plant", **measure(plant, seed + 7))
+    holdout = hold_out([replace(experiment_of(record), reach=reach)])
+    return plant, holdout, fit_base(given, holdout.experiments, holdout.fitted)
+
+
+@pytest.fixture(scope="module")
+def drifting(given):
+    """A plant whose gap drifts beside friction that falls with speed."""
+    return plant_and_base(given, 9204, "gap_drift", "stribeck")
+
+
+def test_the_way_to_a_breakaway_ends_where_friction_just_holds(given):
+    effects = {"spring_hardening": {"spring_hardening": 0.0, "spring_progression": 0.8}}
+    p = Model("bent", given.values, effects).rows()
+    reading, side, pressure = 0.1, 1.0, 1.2e5
+    way = np.empty((1, 1))
+    for _ in range(30):
+        ways_to_breakaway(p, np.array([reading]), np.array([side]), np.array([[pressure]]), np.zeros(1), way)
+        reading += float(way[0, 0])
+    stiffness, area = given.values["spring_rate"], given.values["diaphragm_area"]
+    spring = stiffness * reading * (1.0 + 0.8 * reading)
+    assert abs(way[0, 0]) < 1e-12
+    assert area * pressure == pytest.approx(spring + given.values["spring_preload"] + given.values["coulomb_friction"])
+
+
+def test_breakaways_of_stick_slip_alone_lie_on_the_line(given):
+    for seed in (9201, 9203):
+        _, _, base = plant_and_base(given, seed, "stribeck")
+        assert straight_line(base) is None
+
+
+def test_the_effect_that_bends_the_line_is_the_plant_s(drifting):
+    plant, _, base = drifting
+    line = straight_line(base)
+    bent = {key: bent_line(base, line, effect_of_key(key)) for key in ("gap_drift", "spring_hardening", "air_leak")}
+    assert bent["spring_hardening"] is None
+    assert bent["air_leak"] is None
+    assert bent["gap_drift"].line.error < 0.01 * line.error
+    values = bent["gap_drift"].fit.model.effects["gap_drift"]
+    assert np.sign(values["gap_drift_rate"]) == plant.effects[0].parameters["direction"]
+
+
+def test_effects_that_leave_rests_as_they_are_bend_no_line(drifting):
+    _, _, base = drifting
+    line = straight_line(base)
+    for key in ("static_friction", "presliding", "sensor_lag", "transport_delay", "chamber_filling"):
+        assert bent_line(base, line, effect_of_key(key)) is None
+
+
+def test_stick_slip_is_found_on_top_of_what_bends_the_line(given):
+    plant, holdout, base = plant_and_base(given, 9204, "spring_hardening", "stribeck")
+    bent = bent_line(base, straight_line(base), effect_of_key("spring_hardening"))
+    found = extend(bent.fit, "stribeck")
+    assert score_fit(found, holdout).misfit < 0.3 * score_fit(extend(base, "stribeck"), holdout).misfit
+    ratio = 1.0 + plant.effects[1].parameters["static_excess"]
+    assert found.model.effects["stribeck"]["stribeck_ratio"] == pytest.approx(ratio, abs=0.06)
+
+
+def test_a_line_leaves_open_no_more_than_it_may(drifting):
+    _, _, base = drifting
+    bent = bent_line(base, straight_line(base), effect_of_key("gap_drift")).line
+    assert np.abs(bent.slack).max() <= 1.0
+    assert bent.count == len(breakaways_of(base.problem).position)
+    assert line_through(breakaways_of(base.problem), base.found.point).error > bent.error
+
+
+def test_a_search_about_a_jagged_fit_comes_nearer(given):
+    _, holdout, base = plant_and_base(given, 9301, "sensor_drift", "static_friction", reach=np.inf)
+    drift = try_effect(Work(base, ("sensor_drift",), is_global=False), holdout).fit
+    pair = try_effect(Work(drift, ("sensor_drift", "static_friction"), is_global=True), holdout)
+    sharper = sharpen(pair, holdout)
+    assert sharper.effects == pair.effects
+    assert sharper.score.misfit < pair.score.misfit
+    assert sharp_again(sharper, holdout) <= 1.2 * sharper.score.misfit
+
+
+def sharp_again(candidate: Candidate, holdout) -> float:
+    """Return the misfit after a second search about the fit."""
+    return sharpen(candidate, holdout).score.misfit
+
+
+def named(misfit: float, *effects: str) -> Candidate:
+    """Return a cause with nothing but its effects and a misfit."""
+    score = type("Score", (), {"misfit": misfit})()
+    return Candidate(effects, "+".join(effects), score)
+
+
+def test_where_no_line_tells_the_law_comes_on_top_of_the_best_others():
+    alone = [named(40.0), named(9.0, "static_friction"), named(20.0, "supply_droop"), named(30.0, "coil_lag")]
+    alone += [named(25.0, "position_dependent_friction"), named(35.0, "air_leak"), named(36.0, "choked_flow")]
+    work = beside_the_best(alone, alone[1])
+    assert [each.effects for each in work] == [
+        (key, "static_friction") for key in ("supply_droop", "coil_lag", "air_leak")
+    ]
+    assert all(each.is_global for each in work)
+    assert [each.fit for each in work] == ["supply_droop", "coil_lag", "air_leak"]
+
+
+def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
+    alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
+    assert beside_the_best(alone, alone[1]) == []
