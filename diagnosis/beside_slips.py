@@ -47,7 +47,8 @@ def beside_slips(
     Returns
     -------
     list of Candidate
-        Causes of two effects; empty where there are no stairs, or their breakaways lie on the line as it is.
+        Causes of two effects; empty where no law of stick-slip is known, one effect explains the gap, or no line is
+        bent and stick-slip is not the best alone.
     """
     base = alone[0]
     has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
@@ -68,9 +69,9 @@ def beside_slips(
 
 
 def bent_lines(alone: Sequence[Candidate], pool: Executor | None, progress: Progress) -> list[BentLine]:
-    """Return the effects that bring the breakaways of stairs onto a line as well as the best of them, that one first.
+    """Return the effects that bring the breakaways onto a line as well as the best of them does, that one first.
 
-    Empty where there are no stairs, or their breakaways lie on the line as it is.
+    Empty where breakaways are few, or lie on the line as it is.
     """
     base = alone[0].fit
     line = straight_line(base)

@@ -14,7 +14,7 @@ from identification.hints import starts_of
 from identification.problem import Problem
 from identification.screening import joined, residual_positions
 from identification.search import Found, errors
-from identification.stick_slip import BENT_BY_NONE
+from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
 
 STRAIGHT = frozenset(
@@ -79,7 +79,7 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         Through its breakaways.
     effect : Effect
     """
-    if effect.key in BENT_BY_NONE | STRAIGHT or not effect.fitted:
+    if effect.key in HIDES_THE_LINE | STRAIGHT or not effect.fitted:
         return None
     breakaways = breakaways_of(fit.problem)
     promises = list(promised(fit, line, breakaways, effect))

@@ -18,7 +18,7 @@ from valvemodel.declarations import Effect
 REACH = 4.0
 """Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
 
-BENT_BY_NONE = frozenset(
+HIDES_THE_LINE = frozenset(
     {"static_friction", "stribeck", "presliding", "end_stop", "linkage_backlash", "quantisation", "sensor_lag"}
 )
 """Effects beside which a rest's reading, or its end, does not tell what force holds the stem."""
@@ -111,7 +111,7 @@ class Slips:
 
 def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     """Return the line through the breakaways of a fit; None where too few are steps of stairs, or it has no time."""
-    if not BENT_BY_NONE.isdisjoint(problem.model.effects) or any(
+    if not HIDES_THE_LINE.isdisjoint(problem.model.effects) or any(
         experiment.is_loop for experiment in problem.experiments
     ):
         return None
