@@ -31,6 +31,9 @@ TO_THE_MIDDLE = 0.02
 LINE = ("spring_rate", "coulomb_friction", *GAP)
 """Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
 
+LOST = 1.0
+"""Way to a breakaway that counts where numbers lead to no pressure. [m]"""
+
 WIDEST_SLACK = 1.0
 """Change of the unknowns, scaled, beyond which what the line leaves open is not searched."""
 
@@ -94,11 +97,14 @@ class Breakaways:
         return np.concatenate(found, axis=2)
 
     def positions(self, points: np.ndarray) -> np.ndarray:
-        """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]"""
+        """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]
+
+        Far off where numbers lead to no pressure.
+        """
         rows, ways = self.problem.rows(points, 0), np.empty((2, len(points), len(self.position)))
         for way, pressures, times in zip(ways, self.pressures(points), self.time, strict=True):
             ways_to_breakaway(rows, self.position, self.side, pressures, times, way)
-        return self.position + ways
+        return self.position + np.where(np.isfinite(ways), ways, LOST)
 
     def enclosed(self, points: np.ndarray) -> np.ndarray:
         """Return by how much each position lies outside what encloses it, shape (p, breakaways). [spread]"""

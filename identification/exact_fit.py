@@ -13,6 +13,7 @@ from identification.extension import extend
 from identification.fit import Fit, Masks, base_and_start_unknowns, base_box, finished, fit_base, measured
 from identification.hints import starts_of
 from identification.problem import Problem
+from identification.sharpening import sharpened
 from identification.unknowns import effect_unknowns
 from identification.wide import Box, is_at_noise, search_wide
 from valvemodel.effects import effect_of_key
@@ -73,8 +74,9 @@ def fit_exact(
 
 
 def fit_jointly(problem: Problem, box: Box) -> Fit:
-    """Fit all unknowns of a problem at once."""
-    return finished(problem, search_wide(problem, box, is_jagged=True))
+    """Fit all unknowns of a problem at once; a loop, whose runs are short, is searched about to the end."""
+    fit = finished(problem, search_wide(problem, box, is_jagged=True))
+    return sharpened(fit) if all(experiment.is_loop for experiment in problem.experiments) else fit
 
 
 def joint_problems(

@@ -79,12 +79,14 @@ def shape_of_fit(fit: Fit) -> FittedShape | None:
         return shape_of_loop(model, position=middle, highest_current=highest, step=step)
 
     point = fit.found.point
-    steps = STEP * np.eye(len(point))
-    pairs = [(shape_at(point + step), shape_at(point - step)) for step in steps]
+    # At a bound of an unknown the difference is one-sided.
+    above, below = (np.clip(point + side * STEP * np.eye(len(point)), *fit.problem.bounds) for side in (1.0, -1.0))
+    pairs = [(shape_at(up), shape_at(down)) for up, down in zip(above, below, strict=True)]
+    widths = np.diag(above - below)
     jacobian = fit.problem.jacobian(point)
     spread = covariance(jacobian, fit.problem.residuals(point[None, :])[0], blocks_of(fit))
     std = {}
     for name in UNITS:
-        slope = np.array([getattr(up, name) - getattr(down, name) for up, down in pairs]) / (2.0 * STEP)
+        slope = np.array([getattr(up, name) - getattr(down, name) for up, down in pairs]) / widths
         std[name] = float(np.sqrt(slope @ spread @ slope))
     return FittedShape(shape_at(point), std, experiments[0].is_ramped)
