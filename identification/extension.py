@@ -13,7 +13,7 @@ from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.screening import Trial, joined, residual_positions, screened
-from identification.search import Found, descend, errors, roam
+from identification.search import Found, descend, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -276,10 +276,8 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     """
     problem, centre = trials[0].problem, fit.found.point
     known, added = len(centre), len(problem.unknowns) - len(centre)
-    _, sizes, directions = np.linalg.svd(fit.problem.jacobian(centre), full_matrices=False)
-    reach = np.sqrt(2.0 * fit.found.error)
     shape = np.zeros((known + added, known + added))
-    shape[:known, :known] = directions.T * (reach / np.maximum(sizes, 1e-9 * sizes[0]))
+    shape[:known, :known] = principal_directions(fit.problem.jacobian(centre), fit.found.error)
     shape[known:, known:] = np.eye(added)
     origin = np.concatenate([centre, np.zeros(added)])
     neutral = [unknown.scaled(effect.parameter(unknown.name).neutral) for unknown in problem.unknowns[known:]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -126,6 +127,34 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
     return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 
 
+def principal_directions(jacobian: np.ndarray, error: float) -> np.ndarray:
+    """Return the principal directions of residuals, one in a column, shape (unknowns, unknowns).
+
+    Each is as long as what changes the residuals as much as they are large.
+
+    Parameters
+    ----------
+    jacobian : array, shape (r, unknowns)
+    error : float
+        Half the sum of the squared residuals.
+    """
+    _, sizes, directions = np.linalg.svd(jacobian, full_matrices=False)
+    return np.asarray(directions.T * (np.sqrt(2.0 * error) / np.maximum(sizes, 1e-9 * sizes[0])))
+
+
+def points_beside(problem: Problem, origin: np.ndarray, shape: np.ndarray, moves: np.ndarray) -> np.ndarray:
+    """Return the scaled points origin + shape u within the bounds for each u of some moves, shape (p, unknowns).
+
+    Parameters
+    ----------
+    problem : Problem
+    origin : array, shape (unknowns,)
+    shape : array, shape (unknowns, m)
+    moves : array, shape (p, m)
+    """
+    return np.asarray(np.clip(origin + moves @ shape.T, *problem.bounds))
+
+
 def roam(
     problem: Problem,
     origin: np.ndarray,
@@ -136,6 +165,7 @@ def roam(
     generations: int,
     enough: float = 0.0,
     seed: int = 0,
+    start: np.ndarray | None = None,
 ) -> Found:
     """Search globally over scaled points origin + shape u with u in a box.
 
@@ -144,15 +174,13 @@ def roam(
     problem : Problem
     origin : array, shape (unknowns,)
     shape : array, shape (unknowns, unknowns)
-    box, size, generations, enough, seed
+    box, size, generations, enough, seed, start
         As of `roam_through`.
     """
-    low, high = problem.bounds
-
-    def points_of(moves: np.ndarray) -> np.ndarray:
-        return np.clip(origin + moves @ shape.T, low, high)
-
-    return roam_through(problem, points_of, box, size=size, generations=generations, enough=enough, seed=seed)
+    points_of = partial(points_beside, problem, origin, shape)
+    return roam_through(
+        problem, points_of, box, size=size, generations=generations, enough=enough, seed=seed, start=start
+    )
 
 
 def roam_through(
@@ -231,16 +259,11 @@ def settle(problem: Problem, found: Found) -> Found:
     """Settle among the small steps of a jagged error, along the principal directions of the residuals (Nelder-Mead)."""
     from scipy.optimize import minimize
 
-    low, high = problem.bounds
-    _, sizes, directions = np.linalg.svd(problem.jacobian(found.point), full_matrices=False)
-    shape = directions.T * (np.sqrt(2.0 * found.error) / np.maximum(sizes, 1e-9 * sizes[0]))
+    shape = principal_directions(problem.jacobian(found.point), found.error)
     count = len(found.point)
-
-    def point_of(u: np.ndarray) -> np.ndarray:
-        return np.clip(found.point + shape @ u, low, high)
-
+    points_of = partial(points_beside, problem, found.point, shape)
     result = minimize(
-        lambda u: float(errors(problem, point_of(u)[None, :])[0]),
+        lambda u: float(errors(problem, points_of(u[None, :]))[0]),
         np.zeros(count),
         method="Nelder-Mead",
         options={
@@ -250,4 +273,4 @@ def settle(problem: Problem, found: Found) -> Found:
             "fatol": 1e-3,
         },
     )
-    return Found(point_of(result.x), float(result.fun)) if result.fun < found.error else found
+    return Found(points_of(result.x[None, :])[0], float(result.fun)) if result.fun < found.error else found

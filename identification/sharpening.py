@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.problem import Problem
-from identification.search import Found, errors, roam_through
+from identification.search import Found, errors, principal_directions, roam
 
 REACH = 0.3
 """How far the search goes along a principal direction, in changes of the residual over the residual."""
@@ -36,8 +35,9 @@ def sharpened(fit: Fit) -> Fit:
     for number in range(ROUNDS):
         for each in yardsticks:
             found = searched_about(each, best, number)
-            if misfit(found.point) < least:
-                best, least = found.point, misfit(found.point)
+            reached = misfit(found.point)
+            if reached < least:
+                best, least = found.point, reached
         if least <= free.noise_error or least > WORTH_A_ROUND * before:
             break
         before = least
@@ -47,12 +47,12 @@ def sharpened(fit: Fit) -> Fit:
 def searched_about(problem: Problem, centre: np.ndarray, seed: int) -> Found:
     """Search about a scaled point, along the principal directions of the residuals, with a seed."""
     error = float(errors(problem, centre[None, :])[0])
-    _, sizes, directions = np.linalg.svd(problem.jacobian(centre), full_matrices=False)
-    shape = np.clip(directions.T * (np.sqrt(2.0 * error) / np.maximum(sizes, 1e-9 * sizes[0])), -1.0, 1.0)
+    shape = np.clip(principal_directions(problem.jacobian(centre), error), -1.0, 1.0)
     count = len(centre)
-    return roam_through(
+    return roam(
         problem,
-        partial(beside, problem, centre, shape),
+        centre,
+        shape,
         [(-REACH, REACH)] * count,
         size=SIZE,
         generations=GENERATIONS,
@@ -60,8 +60,3 @@ def searched_about(problem: Problem, centre: np.ndarray, seed: int) -> Found:
         seed=seed,
         start=np.zeros(count),
     )
-
-
-def beside(problem: Problem, centre: np.ndarray, shape: np.ndarray, moves: np.ndarray) -> np.ndarray:
-    """Return the scaled points within the bounds that are so many steps from a centre, shape (p, unknowns)."""
-    return np.asarray(np.clip(centre + moves @ shape.T, *problem.bounds))
