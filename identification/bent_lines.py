@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.breakaway import FAR, Breakaways, Line, breakaways_of, line_through, slopes_of
+from identification.breakaway import FAR, Line, breakaways_of, line_through, slopes_of
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
@@ -61,8 +61,7 @@ class BentLine:
 def straight_line(fit: Fit) -> Line | None:
     """Return the line through the breakaways of a base valve; None where they are few, or lie on it well enough."""
     breakaways = breakaways_of(fit.problem)
-    is_loop = any(experiment.is_loop for experiment in fit.problem.experiments)
-    if is_loop or len(breakaways.position) < LEAST_BREAKAWAYS:
+    if fit.problem.has_loop or len(breakaways.position) < LEAST_BREAKAWAYS:
         return None
     line = line_through(breakaways, fit.found.point)
     return line if line.error > OFF_THE_LINE * line.count else None
@@ -81,22 +80,18 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     """
     if effect.key in HIDES_THE_LINE | STRAIGHT or not effect.fitted:
         return None
-    breakaways = breakaways_of(fit.problem)
-    promises = list(promised(fit, line, breakaways, effect))
-    problem, point, _ = min(promises, key=lambda each: each[2])
-    bent = line_through(replace(breakaways, problem=problem), point)
+    problem, point, _ = min(promised(fit, line, effect), key=lambda each: each[2])
+    bent = line_through(replace(line.breakaways, problem=problem), point)
     return BentLine(effect, problem, bent) if bent.error < MUCH_NEARER * line.error else None
 
 
-def promised(
-    fit: Fit, line: Line, breakaways: Breakaways, effect: Effect
-) -> Iterator[tuple[Problem, np.ndarray, float]]:
+def promised(fit: Fit, line: Line, effect: Effect) -> Iterator[tuple[Problem, np.ndarray, float]]:
     """Yield the starts of an effect with the line's best answer by slopes, and the squared error left."""
     known = len(line.point)
-    slopes = slopes_of(breakaways.centred, line.point, line.columns)
+    slopes = slopes_of(line.breakaways.centred, line.point, line.columns)
     for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
         problem, point = joined(fit.problem, line.point, effect, start)
-        there = replace(breakaways, problem=problem)
+        there = replace(line.breakaways, problem=problem)
         off = there.centred(point[None, :])[0]
         answer, *_ = np.linalg.lstsq(slopes, -off, rcond=1e-6)
         point[:known][line.columns] += np.clip(answer, -ANSWER, ANSWER)

@@ -87,10 +87,7 @@ class Breakaways:
         """
         found = []
         for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
-            rows = self.problem.rows(points, number)
-            for effect in (effect_of_key(key) for key in self.problem.model.effects):
-                for parameter in effect.parameters if effect.stage in BEHIND_PRESSURE else ():
-                    rows[parameter.name] = parameter.neutral
+            rows = self.problem.rows_without(lambda effect: effect.stage in BEHIND_PRESSURE, points, number)
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)
             found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
@@ -162,15 +159,20 @@ class Line:
         Changes of them by a standard deviation each, one in a column.
     error : float
         Half the sum of the squares by which breakaways lie off the line, far ones counted less. [spread^2]
-    count : int
-        Breakaways.
+    breakaways : Breakaways
+        What it was laid through.
     """
 
     point: np.ndarray
     columns: np.ndarray
     slack: np.ndarray
     error: float
-    count: int
+    breakaways: Breakaways
+
+    @property
+    def count(self) -> int:
+        """Number of breakaways."""
+        return len(self.breakaways.position)
 
 
 def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
@@ -199,7 +201,7 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
 
     begun, _ = _laid(middles, breakaways.problem, point, columns)
     found, error = _laid(all_of, breakaways.problem, begun, columns)
-    return Line(found, columns, breakaways.slack(found, columns), error, len(breakaways.position))
+    return Line(found, columns, breakaways.slack(found, columns), error, breakaways)
 
 
 def _laid(

@@ -11,7 +11,6 @@ from identification.problem import Problem
 from identification.search import Found, descend
 from identification.unknowns import GAP, OF_GAP
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
 
 LEVELS, HOLD, LIGHT = 9, 1.0, 1e3
 """Currents at which pressures are compared, how long each is held [s], and the pressure that counts as 1 [Pa]."""
@@ -89,8 +88,5 @@ def pressures_at_rest(problem: Problem, point: np.ndarray, currents: np.ndarray)
         pressure_noise=1.0,
         block=np.zeros(count + 1, int),
     )
-    rows = problem.rows(point[None, :], 0)
-    for effect in (effect_of_key(key) for key in problem.model.effects):
-        for parameter in effect.parameters if effect.acts_in_time else ():
-            rows[parameter.name] = parameter.neutral
+    rows = problem.rows_without(lambda effect: effect.acts_in_time, point[None, :], 0)
     return np.asarray(simulate_rows(held, rows, tolerance=problem.tolerance, with_pressure=True).pressure[0, 1:])

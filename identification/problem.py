@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -11,6 +11,8 @@ import numpy as np
 from identification.experiment import Experiment, Simulated, simulate_rows
 from identification.unknowns import Unknown
 from valvemodel import runs
+from valvemodel.declarations import Effect
+from valvemodel.effects import effect_of_key
 from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
@@ -64,6 +66,14 @@ class Problem:
                 rows[unknown.name] = unknown.value(points[:, column])
         return rows
 
+    def rows_without(self, is_left_out: Callable[[Effect], bool], points: np.ndarray, experiment: int) -> np.ndarray:
+        """Return rows as `rows` does, with the effects that are left out at their neutral values."""
+        rows = self.rows(points, experiment)
+        for effect in filter(is_left_out, map(effect_of_key, self.model.effects)):
+            for parameter in effect.parameters:
+                rows[parameter.name] = parameter.neutral
+        return rows
+
     def residuals(self, points: np.ndarray) -> np.ndarray:
         """Return the weighted residuals, measured less simulated, at scaled points.
 
@@ -107,6 +117,11 @@ class Problem:
     def has_pressure(self) -> bool:
         """Whether a pressure was measured in any of the experiments."""
         return any(experiment.pressure is not None for experiment in self.experiments)
+
+    @property
+    def has_loop(self) -> bool:
+        """Whether any of the experiments is a settled loop, whose time is made up."""
+        return any(experiment.is_loop for experiment in self.experiments)
 
     @property
     def prior_spreads(self) -> np.ndarray:

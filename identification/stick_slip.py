@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from identification.breakaway import Line, breakaways_of, line_through, told_by_pressure
+from identification.breakaway import Line, breakaways_of, line_through
+from identification.pressures import told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
@@ -111,9 +112,7 @@ class Slips:
 
 def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     """Return the line through the breakaways of a fit; None where too few are steps of stairs, or it has no time."""
-    if not HIDES_THE_LINE.isdisjoint(problem.model.effects) or any(
-        experiment.is_loop for experiment in problem.experiments
-    ):
+    if problem.has_loop or not HIDES_THE_LINE.isdisjoint(problem.model.effects):
         return None
     breakaways = breakaways_of(problem)
     if len(breakaways.position) == 0 or breakaways.on_the_way(point) < LEAST_STEPS:
