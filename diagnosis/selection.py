@@ -126,10 +126,11 @@ def try_together(
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
-        for _ in range(ALIAS_ROUNDS if size == 2 else 0):
-            tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
-        for choice in (best_of(tried, 2), aliases_of_best(tried)) if size == 2 else ():
-            tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
+        if size == 2:
+            for _ in range(ALIAS_ROUNDS):
+                tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
+            for choice in (best_of(tried, 2), aliases_of_best(tried)):
+                tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
