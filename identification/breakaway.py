@@ -31,7 +31,7 @@ TO_THE_MIDDLE = 0.02
 LINE = ("spring_rate", "coulomb_friction", *GAP)
 """Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
 
-LOST = 1.0
+LOST_WAY = 1.0
 """Way to a breakaway that counts where numbers lead to no pressure. [m]"""
 
 WIDEST_SLACK = 1.0
@@ -101,7 +101,7 @@ class Breakaways:
         rows, ways = self.problem.rows(points, 0), np.empty((2, len(points), len(self.position)))
         for way, pressures, times in zip(ways, self.pressures(points), self.time, strict=True):
             ways_to_breakaway(rows, self.position, self.side, pressures, times, way)
-        return self.position + np.where(np.isfinite(ways), ways, LOST)
+        return self.position + np.where(np.isfinite(ways), ways, LOST_WAY)
 
     def enclosed(self, points: np.ndarray) -> np.ndarray:
         """Return by how much each position lies outside what encloses it, shape (p, breakaways). [spread]"""

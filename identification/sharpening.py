@@ -11,7 +11,7 @@ from identification.fit import Fit, finished
 from identification.problem import Problem
 from identification.search import Found, errors, principal_directions, roam
 
-REACH = 0.3
+WIDEST = 0.3
 """How far the search goes along a principal direction, in changes of the residual over the residual."""
 
 SIZE, GENERATIONS, ROUNDS = 4, 20, 6
@@ -53,7 +53,7 @@ def searched_about(problem: Problem, centre: np.ndarray, seed: int) -> Found:
         problem,
         centre,
         shape,
-        [(-REACH, REACH)] * count,
+        [(-WIDEST, WIDEST)] * count,
         size=SIZE,
         generations=GENERATIONS,
         enough=problem.noise_error,

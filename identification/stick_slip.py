@@ -57,7 +57,7 @@ class Stage:
 
 AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
 
-CLOSE = 1.25
+CLOSE_AT_SLIPS = 1.25
 """Factor within which the error of another form must come at the slips for that form to be followed."""
 
 LAWFUL = 2.0
@@ -228,7 +228,7 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
     """
     searched: list[tuple[SlipSearch, Found]] = []
     for each in begun:
-        if each.found.error > CLOSE * begun[0].found.error:
+        if each.found.error > CLOSE_AT_SLIPS * begun[0].found.error:
             break
         rested = on_rests(each.slips.problem)
         searched.append((each, search_beside(each, each.found.point, rested, AT_RESTS)))

@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identification.determined.sensitivity import differences
-from identification.experiment import Experiment, simulate_rows
+from identification.experiment import BLOCK_TIME, Experiment, simulate_rows
 from identification.problem import FINE_TOLERANCE, Problem
 from identification.unknowns import Unknown, base_unknowns, effect_unknowns, start_unknown
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
-
-BLOCK_TIME = 3.0
-"""Of the blocks in time of a record. [s]"""
 
 
 @dataclass(frozen=True, eq=False)

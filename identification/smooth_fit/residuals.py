@@ -8,15 +8,12 @@ import casadi as ca
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.problem import Problem
+from identification.problem import LOST, Problem
 from identification.unknowns import Unknown
 from valvemodel.model import Model
 from valvemodel.smooth.chain import WIDTH, SmoothChain, parts_for
 from valvemodel.smooth.delay import delayed_current, finer
 from valvemodel.smooth.rounding import Expression
-
-LOST = 1e6
-"""Residual of a run that is not finite. [noise]"""
 
 
 class SmoothResiduals:
