@@ -12,7 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
-from identification.screening import Trial, joined, residual_positions, screened
+from identification.screening import Trial, box_of, joined, placed, residual_positions, screened
 from identification.search import Found, descend, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
@@ -24,7 +24,7 @@ KEPT_STARTS = 2
 WIDEST = 2.0
 """How far a global search goes along a principal direction, in changes of the residual over the residual."""
 
-QUICK, USUAL, SHORT = (8, 80), (3, 70), (3, 30)
+QUICK, SHORT = (8, 80), (3, 30)
 """Points of a global search for each unknown, and generations: more where a run has a closed form, fewer where it takes
 long and ends nowhere exact."""
 
@@ -114,11 +114,13 @@ def extended(
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
-    if effect.is_jagged and is_global and trials[0].gain > 0.0:
+    if effect.stops_again and is_global and trials[0].gain > 0.0:
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
         groups = [trials] if effect.is_jagged else alike(effect, trials)
+        if effect.is_jagged and is_global and trials[0].gain > 0.0:
+            groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
@@ -280,13 +282,11 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     shape[:known, :known] = principal_directions(fit.problem.jacobian(centre), fit.found.error)
     shape[known:, known:] = np.eye(added)
     origin = np.concatenate([centre, np.zeros(added)])
-    neutral = [unknown.scaled(effect.parameter(unknown.name).neutral) for unknown in problem.unknowns[known:]]
-    corners = np.vstack([neutral, *[trial.point[known:] for trial in trials]])
-    box = [(-WIDEST, WIDEST)] * known + list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
+    box = [(-WIDEST, WIDEST)] * known + box_of(effect, trials)
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
     takes_long = effect.is_chaotic or fit.model.effects
-    size, generations = SHORT if takes_long else QUICK if effect.stops_again else USUAL
+    size, generations = SHORT if takes_long else QUICK
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
         best = roam(each, origin, shape, box, size=size, generations=generations, enough=problem.noise_error)
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from identification.fit import Fit
 from identification.hints import is_periodic, nearby, starts_of
 from identification.problem import Problem
-from identification.search import errors
+from identification.search import errors, roam_over
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 
@@ -18,6 +19,9 @@ ANSWER = 0.5
 
 TRIED_FORCE = 0.25
 """Share of its declared start at which each wave of a periodic effect is tried."""
+
+SIZE, GENERATIONS = 8, 25
+"""Points of a global search for each number of an effect, and generations."""
 
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
@@ -76,21 +80,66 @@ def waves(
     return [start for _, start in sorted(found, key=lambda pair: pair[0])[:KEPT_PERIODS]]
 
 
+def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
+    """Return the start of an effect that leaves least, searched globally between neutral and the starts at hand.
+
+    Whatever the fit's own unknowns can do (linearised) is taken out of what is left, so that they need no search.
+    """
+    problem, point = trials[0].problem, fit.found.point
+    residual = fit.problem.residuals(point[None, :])[0]
+    basis, triangle = np.linalg.qr(fit.problem.jacobian(point, residual))
+
+    def left_by(values: np.ndarray) -> np.ndarray:
+        points = np.hstack([np.repeat(point[None, :], len(values), axis=0), values])
+        left = problem.residuals(points)[:, : len(residual)]
+        left = left - (left @ basis) @ basis.T
+        return np.asarray(0.5 * np.einsum("ij,ij->i", left, left))
+
+    values, _ = roam_over(left_by, box_of(effect, trials), size=SIZE, generations=GENERATIONS)
+    found = np.concatenate([point, values])
+    begun, error = answered(problem, found, problem.residuals(found[None, :])[0], basis, triangle)
+    return Trial(problem, begun, 2.0 * (fit.found.error - error))
+
+
+def box_of(effect: Effect, trials: Sequence[Trial]) -> list[tuple[float, float]]:
+    """Return the least and the greatest scaled value of each unknown of an effect, of neutral and some starts."""
+    names = {parameter.name for parameter in effect.fitted}
+    added = [unknown for unknown in trials[0].problem.unknowns if unknown.name in names]
+    neutral = [unknown.scaled(effect.parameter(unknown.name).neutral) for unknown in added]
+    corners = np.vstack([neutral, *[trial.point[-len(added) :] for trial in trials]])
+    return list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
+
+
 def promise(
     fit: Fit, effect: Effect, start: dict[str, float], left: np.ndarray, basis: np.ndarray, triangle: np.ndarray
 ) -> Trial:
     """Try a start of an effect on what a fit leaves over, beside whatever the fit's own unknowns can do."""
     problem, point = joined(fit.problem, fit.found.point, effect, start)
-    known, residual = len(fit.found.point), problem.residuals(point[None, :])[0]
+    residual = problem.residuals(point[None, :])[0]
     change = change_of(residual, left, basis)
     size = float(change @ change)
     linear = float(left @ change) ** 2 / size if size > 0.0 else 0.0
-    answered = point.copy()
-    answered[:known] -= np.clip(np.linalg.solve(triangle, basis.T @ residual[: len(left)]), -ANSWER, ANSWER)
-    answered = np.clip(answered, *problem.bounds)
-    before, after = 0.5 * float(residual @ residual), float(errors(problem, answered[None, :])[0])
-    gained = 2.0 * (fit.found.error - min(before, after))
-    return Trial(problem, answered if after < before else point, max(linear, gained))
+    begun, error = answered(problem, point, residual, basis, triangle)
+    return Trial(problem, begun, max(linear, 2.0 * (fit.found.error - error)))
+
+
+def answered(
+    problem: Problem, point: np.ndarray, residual: np.ndarray, basis: np.ndarray, triangle: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return a scaled point after the fit's own unknowns have answered its residual, where that helps, and its error.
+
+    Parameters
+    ----------
+    residual : array, shape (r,)
+        There.
+    basis, triangle : arrays, shape (r, known), (known, known)
+        Of the fit's own Jacobian.
+    """
+    moved = point.copy()
+    moved[: len(triangle)] -= np.clip(np.linalg.solve(triangle, basis.T @ residual[: len(basis)]), -ANSWER, ANSWER)
+    moved = np.clip(moved, *problem.bounds)
+    before, after = 0.5 * float(residual @ residual), float(errors(problem, moved[None, :])[0])
+    return (moved, after) if after < before else (point, before)
 
 
 def change_of(residual: np.ndarray, left: np.ndarray, basis: np.ndarray) -> np.ndarray:

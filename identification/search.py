@@ -194,15 +194,42 @@ def roam_through(
     seed: int = 0,
     start: np.ndarray | None = None,
 ) -> Found:
-    """Search globally over the scaled points that belong to u in a box (differential evolution, scipy).
-
-    Trials take most numbers from the mutant of the best point: the valleys of k, F_c, c0, E run across the axes.
+    """Search globally over the scaled points that belong to u in a box.
 
     Parameters
     ----------
     problem : Problem
     points_of : callable
         Scaled points, shape (p, unknowns), of u, shape (p, m).
+    box, size, generations, enough, seed, start
+        As of `roam_over`.
+    """
+
+    def errors_of(moves: np.ndarray) -> np.ndarray:
+        return errors(problem, points_of(moves))
+
+    moves, error = roam_over(errors_of, box, size=size, generations=generations, enough=enough, seed=seed, start=start)
+    return Found(points_of(moves[None, :])[0], error)
+
+
+def roam_over(
+    errors_of: Callable[[np.ndarray], np.ndarray],
+    box: list[tuple[float, float]],
+    *,
+    size: int,
+    generations: int,
+    enough: float = 0.0,
+    seed: int = 0,
+    start: np.ndarray | None = None,
+) -> tuple[np.ndarray, float]:
+    """Search globally over u in a box (differential evolution, scipy); return the best u, shape (m,), and its error.
+
+    Trials take most numbers from the mutant of the best point: the valleys of k, F_c, c0, E run across the axes.
+
+    Parameters
+    ----------
+    errors_of : callable
+        Errors, shape (p,), of u, shape (p, m).
     box : list of (low, high)
         One for each component of u, m in all.
     size : int
@@ -224,7 +251,7 @@ def roam_through(
     generator = np.random.default_rng(seed)
     points = 1 << (size * len(box) - 1).bit_length()
     result = differential_evolution(
-        lambda u: errors(problem, points_of(np.atleast_2d(u.T))),
+        lambda u: errors_of(np.atleast_2d(u.T)),
         box,
         maxiter=generations,
         tol=CONVERGED,
@@ -238,7 +265,7 @@ def roam_through(
         rng=generator,
         x0=start,
     )
-    return Found(points_of(result.x[None, :])[0], float(result.fun))
+    return result.x, float(result.fun)
 
 
 def spread_evenly(count: int, bounds: np.ndarray, generator: np.random.Generator) -> np.ndarray:

@@ -22,6 +22,7 @@ from valvemodel.chain import (
 )
 from valvemodel.compiled import compiled, inlined
 from valvemodel.parameters import MOST_NOTED
+from valvemodel.stages.drifts import has_drifts, hold_drifts, longest_period, may_hold_drifts, take_out_drifts
 from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_current
 from valvemodel.stages.linkage import drag_both, dragged
 from valvemodel.stages.motion import remember_glide
@@ -144,8 +145,9 @@ def is_anchored(p, state, anchor, before, mode_before):
 
 
 @compiled
-def run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings, pressures, modes):
-    """Run a chain period by period, put anew at the anchors."""
+def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes):
+    """Run a chain period by period, put anew at the anchors; `given` are its numbers with what drifts."""
+    holds = has_drifts(given) and not has_drifts(p)
     before, mode_before = state.position, state.mode
     for sample in range(time.shape[0]):
         if anchors.shape[0] > 0 and is_anchored(p, state, anchors[sample], before, mode_before):
@@ -156,6 +158,8 @@ def run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings, 
             pressures[sample] = state.pressure
             modes[sample] = mode_of(state)
         if sample + 1 < time.shape[0]:
+            if holds:
+                hold_drifts(p, state, given, 0.5 * (time[sample] + time[sample + 1]))
             advance_period(p, state, memory, drive[sample], time[sample], time[sample + 1] - time[sample], tolerance)
 
 
@@ -182,14 +186,23 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
     readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
         Overwritten; pressures and modes may have shape (n, 0) and are then left out.
     """
-    held = np.empty(time.shape[0])
+    held, own = np.empty(time.shape[0]), rows[:1].copy()
+    longest = longest_period(time)
     for row in range(rows.shape[0]):
-        p, state, memory = rows[row], states[row], memories[0]
+        given, state, memory = rows[row], states[row], memories[0]
+        p, holds = given, may_hold_drifts(given, longest, tolerance)
+        if holds:
+            own[0] = given
+            p = own[0]
+            take_out_drifts(p)
+            hold_drifts(p, state, given, time[0])
         start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
-        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and is_forward(state):
+        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and not holds and is_forward(state):
             run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
             continue
-        run_by_periods(p, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row])
+        run_by_periods(
+            p, given, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row]
+        )
 
 
 @inlined

@@ -211,11 +211,17 @@ def accept_currents(p, state, memory):
 
 
 @inlined
+def gap_drift(p, time):
+    """Return by how much the gap has grown since the start. [m]"""
+    return -p.gap_drift_rate * p.gap_drift_time * math.expm1(-time / p.gap_drift_time)
+
+
+@inlined
 def gap_of_current(p, current, time):
     """Return the gap at an effective current, drift included. [m]"""
     gap = coil_gap(max(current, 0.0), p.gap_offset, p.gap_gain)
     if p.gap_drift_rate != 0.0:
-        gap -= p.gap_drift_rate * p.gap_drift_time * math.expm1(-time / p.gap_drift_time)
+        gap += gap_drift(p, time)
     return gap
 
 

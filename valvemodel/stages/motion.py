@@ -95,14 +95,21 @@ def plan_stem(p, state, tolerance):
     # The remaining closed forms need the events.
     state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
     state.plan_highest, state.plan_lowest = highest_position(p), lowest_position(p)
-    state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
-    state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
+    plan_friction(p, state)
     state.plan_ratio = breakaway_ratio(p) * (1.0 + HOLD)
     state.plan_drift = fastest_drift(p)
     state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
     state.known_duration = state.quiet_duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
+
+
+@inlined
+def plan_friction(p, state):
+    """Write down the friction either way of a stem of plain forces."""
+    state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
+    state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
+    state.quiet_friction = state.plan_rising_friction if state.quiet_side > 0.0 else -state.plan_falling_friction
 
 
 @inlined
@@ -152,8 +159,8 @@ def foresee_glide(p, state, side, duration):
     state.quiet_yv, state.quiet_yf = yv - ya * damping / mass, ya / mass
     # The spring is taken out of the net force, so that the two sums of a period are short.
     state.quiet_yy, state.quiet_vy = 1.0 - state.quiet_yf * p.spring_rate, -state.quiet_vf * p.spring_rate
-    state.quiet_friction = state.plan_rising_friction if side > 0.0 else -state.plan_falling_friction
     state.quiet_duration, state.quiet_side = duration, side
+    plan_friction(p, state)
     discriminant = p.spring_rate / mass - (0.5 * damping / mass) ** 2
     if discriminant > 0.0 and math.sqrt(discriminant) * duration >= math.pi:
         # More than half a swing: no glide is quiet.

@@ -346,6 +346,19 @@ EFFECTS = (
 driving_force = inlined(numeric.driving_force)
 
 
+@inlined
+def load(p, time):
+    """Return the load force at an instant. [N]"""
+    angle = 2.0 * math.pi * time / p.load_period
+    return p.load_sine * math.sin(angle) + p.load_cosine * math.cos(angle)
+
+
+@inlined
+def friction_growth(p, time):
+    """Return the friction at an instant over that at the start."""
+    return max(1.0 - p.friction_drift_rate * p.friction_drift_time * math.expm1(-time / p.friction_drift_time), 0.0)
+
+
 @compiled
 def thrust(p, position, pressure, time):
     """Return the force that drives the stem, all but friction. [N]"""
@@ -359,8 +372,7 @@ def thrust(p, position, pressure, time):
     if p.spring_progression != 0.0:
         force -= p.spring_rate * p.spring_progression * position * position
     if p.load_sine != 0.0 or p.load_cosine != 0.0:
-        angle = 2.0 * math.pi * time / p.load_period
-        force += p.load_sine * math.sin(angle) + p.load_cosine * math.cos(angle)
+        force += load(p, time)
     return force
 
 
@@ -379,8 +391,7 @@ def sliding_friction(p, side, position, pressure, time):
     if p.friction_asymmetry != 0.0:
         friction *= 1.0 + p.friction_asymmetry * side
     if p.friction_drift_rate != 0.0:
-        grown = -p.friction_drift_rate * p.friction_drift_time * math.expm1(-time / p.friction_drift_time)
-        friction *= max(1.0 + grown, 0.0)
+        friction *= friction_growth(p, time)
     if p.tight_spot_excess != 0.0:
         friction *= 1.0 + tight_spot_bump(p, (position - p.tight_spot_position) / p.tight_spot_width)
     if p.friction_area != 0.0:
@@ -447,9 +458,9 @@ def varies_in_time(p):
 @compiled
 def fastest_drift(p):
     """Return how fast the forces that hold a resting stem change at most under a held pressure. [N/s]"""
-    load = 2.0 * math.pi / p.load_period * (abs(p.load_sine) + abs(p.load_cosine))
+    steepest = 2.0 * math.pi / p.load_period * math.hypot(p.load_sine, p.load_cosine)
     roughest = p.coulomb_friction * (1.0 + abs(p.friction_asymmetry)) * (1.0 + max(p.tight_spot_excess, 0.0))
-    return load + breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
+    return steepest + breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
 
 
 @compiled

@@ -1,0 +1,62 @@
+"""Drifts held for a period: what changes so slowly that a coarse run takes it in steps.
+
+Gap, load and friction may change while the current is held, and then no closed form holds. Where that moves the stem by
+less than the tolerance within half a period, they stand still in each period as they are in its middle.
+"""
+
+from __future__ import annotations
+
+import math
+
+from valvemodel.compiled import compiled
+from valvemodel.stages.electromagnet import gap_drift
+from valvemodel.stages.motion import plan_friction
+from valvemodel.stages.part import is_coarse
+from valvemodel.stages.stem import fastest_drift, friction_growth, load, varies_in_time
+
+STEEPEST = 3.0 * math.sqrt(3.0) / 8.0
+"""Steepest fall of 1/(x^2 + 1), where x^2 = 1/3: of eq. (16) in the gap."""
+
+
+@compiled
+def has_drifts(p):
+    """Return whether gap, load or friction change while the current is held."""
+    return varies_in_time(p) or p.gap_drift_rate != 0.0
+
+
+@compiled
+def may_hold_drifts(p, period, tolerance):
+    """Return whether a run with periods of at most so long takes what drifts in steps."""
+    if not (is_coarse(tolerance) and has_drifts(p)):
+        return False
+    # A gap drifts fastest at the start.
+    pull = p.diaphragm_area * STEEPEST * p.supply_pressure * math.sqrt(p.flow_ratio)
+    return 0.5 * period * (fastest_drift(p) + pull * abs(p.gap_drift_rate)) <= tolerance * p.spring_rate
+
+
+@compiled
+def longest_period(time):
+    """Return the longest time between two samples. [s]"""
+    longest = 0.0
+    for sample in range(time.shape[0] - 1):
+        longest = max(longest, time[sample + 1] - time[sample])
+    return longest
+
+
+@compiled
+def take_out_drifts(p):
+    """Let nothing drift by itself in the numbers of a run."""
+    p.gap_drift_rate = p.load_sine = p.load_cosine = p.friction_drift_rate = 0.0
+
+
+@compiled
+def hold_drifts(p, state, given, time):
+    """Write into the numbers of a run what those given come to at an instant."""
+    if given.gap_drift_rate != 0.0:
+        p.gap_offset = given.gap_offset + gap_drift(given, time)
+        state.rest_drive = math.nan
+    if given.load_sine != 0.0 or given.load_cosine != 0.0:
+        p.spring_preload = given.spring_preload - load(given, time)
+    if given.friction_drift_rate != 0.0:
+        p.coulomb_friction = given.coulomb_friction * friction_growth(given, time)
+        plan_friction(p, state)
