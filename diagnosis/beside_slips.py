@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 
-from diagnosis.explaining import explains, misfit
+from diagnosis.explaining import explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import OFF_THE_LINE, BentLine, bent_line, straight_line
 from identification.holdout import Holdout
@@ -17,6 +17,10 @@ MAKERS = 2
 
 BESIDE = 3
 """Effects on top of which the law is tried where no line tells which."""
+
+SOME = 0.9
+"""Share of the base's squared error below which such a law must come alone where the record shows no rests on the way:
+what only looks like breakaways lies on no line either."""
 
 WHAT = "two effects together"
 """What is said meanwhile."""
@@ -47,7 +51,7 @@ def beside_slips(
     Returns
     -------
     list of Candidate
-        Causes of two effects; empty where no law of stick-slip is known, one effect explains the gap, or no line is
+        Causes of two effects; empty where nothing speaks for stick-slip, one effect explains the gap, or no line is
         bent and stick-slip is not the best alone.
     """
     base = alone[0]
@@ -55,6 +59,8 @@ def beside_slips(
     laws = [each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway]
     makers = sorted((each for each in laws if has_stairs or not effect_of_key(each.effects[0]).is_chaotic), key=misfit)
     if not makers or explains(min(alone, key=misfit), base):
+        return []
+    if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
         return []
     bent = bent_lines(alone, pool, progress)
     if not bent:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from diagnosis.trying import Candidate
+from identification.fit import Fit
+from identification.staircase import stops_on_the_way
 
 GOOD_ENOUGH = 1.3
 """Mean weighted square up to which what is left is below notice."""
@@ -12,6 +14,9 @@ FORM_SHARE = 0.05
 
 GENEROUS = 4.0
 """Factor by which two effects may leave more than one, in square, before a third is looked for."""
+
+LEAST_STOPS = 10
+"""Rests of the stem on its way from which effects that can show so are looked for first."""
 
 
 def misfit(candidate: Candidate) -> float:
@@ -27,3 +32,11 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
     """
     allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
     return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
+
+
+def stops_seen(fit: Fit) -> bool:
+    """Return whether the measured stem rests again and again where a fit's keeps moving, or goes in stairs."""
+    if any(each.has_stairs for each in fit.problem.experiments):
+        return True
+    stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
+    return max(stops) >= LEAST_STOPS

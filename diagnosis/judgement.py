@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.explaining import explains
+from diagnosis.explaining import explains, stops_seen
 from diagnosis.score import Errors, Score
-from diagnosis.selection import stops_seen
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key
 

@@ -8,12 +8,11 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.explaining import explains, misfit
+from diagnosis.explaining import explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.screening import screened
-from identification.staircase import stops_on_the_way
 from valvemodel.declarations import Effect
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
@@ -62,9 +61,6 @@ followed to its end."""
 
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
-
-LEAST_STOPS = 10
-"""Rests of the stem on its way from which effects that can show so are looked for first."""
 
 
 def select(
@@ -286,14 +282,6 @@ def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
     """Return the best fit in which the stem stops again, for an effect whose runs take long; else None."""
     kin = [each.fit for each in tried if any(effect_of_key(key).stops_again for key in each.effects)]
     return min(kin, key=lambda fit: fit.found.error) if kin and effect.is_chaotic else None
-
-
-def stops_seen(fit: Fit) -> bool:
-    """Return whether the measured stem rests again and again where a fit's keeps moving, or goes in stairs."""
-    if any(each.has_stairs for each in fit.problem.experiments):
-        return True
-    stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
-    return max(stops) >= LEAST_STOPS
 
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:

@@ -47,6 +47,9 @@ SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
 
+WORTH_LONG = 0.02
+"""Share of a fit's error that starts must promise to explain for an effect to be followed whose runs take long."""
+
 WORTH_FOLLOWING = 0.3
 """Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
 
@@ -114,6 +117,8 @@ def extended(
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin))
     trials = screened(fit, effect, known)
+    if effect.takes_long and trials[0].gain < WORTH_LONG * 2.0 * fit.found.error:
+        return finished(*at_neutral(fit, effect))
     if effect.stops_again and is_global and trials[0].gain > 0.0:
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]

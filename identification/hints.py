@@ -12,6 +12,9 @@ from identification.experiment import Experiment
 from identification.noise import reading_grid
 from valvemodel.declarations import Effect, Parameter
 
+BIN = 0.125
+"""Width of the bins in which readings are counted, over their noise."""
+
 PLACES = 9
 """Places along the travel at which a local effect is looked for."""
 
@@ -116,14 +119,13 @@ def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
     shown = reading_grid(readings)
     if shown[0] > 3.0 * experiment.noise:
         return shown
-    sample = readings[:: max(len(readings) // 1500, 1)]
-    span = max(float(np.ptp(sample)), 1e-9)
-    wave_numbers = np.arange(4.0 / span, 1.0 / (5.0 * experiment.noise), 0.2 / span)
-    in_phase = np.empty(len(wave_numbers), complex)
-    for first in range(0, len(wave_numbers), 500):
-        part = wave_numbers[first : first + 500]
-        in_phase[first : first + 500] = np.exp(2j * np.pi * part[:, None] * sample).mean(axis=1)
-    strength = np.abs(in_phase)
+    # Wave numbers up to one in five times the noise, in steps of a fifth of one over the span: readings in fine bins.
+    span, bin_width = max(float(np.ptp(readings)), 1e-9), BIN * experiment.noise
+    counts = np.bincount(((readings - readings.min()) / bin_width).astype(int))
+    length = max(round(5.0 * span / bin_width), len(counts))
+    wave_numbers = np.arange(length // 2 + 1) / (length * bin_width)
+    usable = (wave_numbers >= 4.0 / span) & (wave_numbers < 1.0 / (5.0 * experiment.noise))
+    wave_numbers, strength = wave_numbers[usable], np.abs(np.fft.rfft(counts, length))[usable] / len(readings)
     if len(strength) == 0 or strength.max() < 0.5:
         return shown
     step = float(1.0 / wave_numbers[np.argmax(strength)])

@@ -103,10 +103,10 @@ def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
 
 def box_of(effect: Effect, trials: Sequence[Trial]) -> list[tuple[float, float]]:
     """Return the least and the greatest scaled value of each unknown of an effect, of neutral and some starts."""
-    names = {parameter.name for parameter in effect.fitted}
-    added = [unknown for unknown in trials[0].problem.unknowns if unknown.name in names]
-    neutral = [unknown.scaled(effect.parameter(unknown.name).neutral) for unknown in added]
-    corners = np.vstack([neutral, *[trial.point[-len(added) :] for trial in trials]])
+    unknowns = trials[0].problem.unknowns
+    added = [number for number, unknown in enumerate(unknowns) if unknown.name in {each.name for each in effect.fitted}]
+    neutral = [unknowns[number].scaled(effect.parameter(unknowns[number].name).neutral) for number in added]
+    corners = np.vstack([neutral, *[trial.point[added] for trial in trials]])
     return list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.ceiling import ceiling_of
+from diagnosis.explaining import stops_seen
 from diagnosis.score import closed_share
-from diagnosis.selection import stops_seen
 from diagnosis.sham import control_of, shams_on, smooth_noise
 from diagnosis.trying import Work, try_effect
 
