@@ -1,0 +1,49 @@
+"""A tight spot is found wherever it lies; what takes long is not followed where nothing speaks for it."""
+
+import numpy as np
+import pytest
+from blind_fits import fits_to_plant
+
+from identification.extension import extend
+from identification.screening import placed, screened
+from identification.search import roam_over
+from valvemodel.effects import effect_of_key
+
+KEY = "position_dependent_friction"
+
+
+@pytest.mark.parametrize("seed", [9300, 9311])
+def test_a_tight_spot_that_no_start_leads_to_is_found(seed, tmp_path):
+    plant, base, found = fits_to_plant(seed, KEY, tmp_path)
+    noise = found.problem.noise_error
+    assert extend(base, KEY, is_global=False).found.error > 10.0 * noise
+    assert found.found.error < 1.05 * noise
+    values, truth = found.model.effects[KEY], plant.effects[0].parameters
+    assert values["tight_spot_position"] == pytest.approx(truth["centre"], abs=5e-4)
+    assert values["tight_spot_excess"] == pytest.approx(truth["height"], rel=0.02)
+    # The blind plant's width is a standard deviation.
+    assert values["tight_spot_width"] == pytest.approx(np.sqrt(2.0) * truth["width"], rel=0.02)
+
+
+def test_the_start_searched_for_promises_more_than_any_at_hand(tmp_path):
+    _, base, _ = fits_to_plant(9311, KEY, tmp_path)
+    trials = screened(base, effect_of_key(KEY))
+    start = placed(base, effect_of_key(KEY), trials)
+    left = [2.0 * base.found.error - each.gain for each in (start, trials[0])]
+    assert left[0] < 0.8 * left[1]
+
+
+def test_bristles_are_not_followed_where_they_promise_nothing(tmp_path):
+    _, base, _ = fits_to_plant(9306, KEY, tmp_path)
+    found = extend(base, "presliding")
+    assert found.found.error == base.found.error
+    assert found.model.effects["presliding"]["presliding_compliance"] == 0.0
+
+
+def test_a_search_over_a_box_finds_the_least_of_many_minima():
+    def ripples(points: np.ndarray) -> np.ndarray:
+        return np.sum((points - 0.3) ** 2 + 0.05 * (1.0 - np.cos(40.0 * (points - 0.3))), axis=1)
+
+    point, error = roam_over(ripples, [(-1.0, 1.0)] * 2, size=16, generations=80)
+    assert np.abs(point - 0.3).max() < 0.02
+    assert error == pytest.approx(ripples(point[None, :])[0])
