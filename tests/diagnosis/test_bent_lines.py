@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from diagnosis import beside_slips as slips
 from diagnosis.beside_slips import beside_the_best
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
@@ -128,3 +130,19 @@ def test_where_no_line_tells_the_law_comes_on_top_of_the_best_others():
 def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
     alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
     assert beside_the_best(alone, alone[1]) == []
+
+
+@pytest.mark.parametrize(
+    ("has_stops", "alone_by", "is_looked_for"), [(False, 0.95, 0), (False, 0.85, 1), (True, 1.0, 1)]
+)
+def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
+    monkeypatch, has_stops, alone_by, is_looked_for
+):
+    looked = []
+    monkeypatch.setattr(slips, "stops_seen", lambda fit: has_stops)
+    monkeypatch.setattr(slips, "bent_lines", lambda *given: looked.append(given) or [])
+    base = named(40.0)
+    base = replace(base, fit=SimpleNamespace(problem=SimpleNamespace(experiments=[SimpleNamespace(has_stairs=False)])))
+    alone = [base, named(alone_by * 40.0, "static_friction"), named(20.0, "supply_droop")]
+    assert slips.beside_slips(alone, None, None, lambda *what: None) == []
+    assert len(looked) == is_looked_for
