@@ -119,12 +119,13 @@ def extended(
     trials = screened(fit, effect, known)
     if effect.takes_long and trials[0].gain < WORTH_LONG * 2.0 * fit.found.error:
         return finished(*at_neutral(fit, effect))
-    if effect.stops_again and is_global and trials[0].gain > 0.0:
+    is_searched = effect.is_jagged and is_global and trials[0].gain > 0.0
+    if is_searched and effect.stops_again:
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
         groups = [trials] if effect.is_jagged else alike(effect, trials)
-        if effect.is_jagged and is_global and trials[0].gain > 0.0:
+        if is_searched:
             groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
