@@ -42,15 +42,20 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     Each is run once, and once more after the unknowns of the fit have answered it (linearised). Its promise is how
     much less error that leaves, or how much of the residual the change of the trajectory explains at any size.
     """
-    problem, point = fit.problem, fit.found.point
-    residual = problem.residuals(point[None, :])[0]
-    basis, triangle = np.linalg.qr(problem.jacobian(point, residual))
+    residual, basis, triangle = own_slopes(fit)
     left = residual - basis @ (basis.T @ residual)
-    starts = list(starts_of(effect, list(problem.experiments), residual_positions(fit)))
+    starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
     if any(is_periodic(each) for each in effect.parameters):
         starts += waves(fit, effect, starts, left, basis)
     trials = [promise(fit, effect, start, left, basis, triangle) for start in [*starts, *([known] if known else [])]]
     return sorted(trials, key=lambda trial: -trial.gain)
+
+
+def own_slopes(fit: Fit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the residuals of a fit, shape (r,), and its Jacobian as basis, shape (r, known), and triangle."""
+    residual = fit.problem.residuals(fit.found.point[None, :])[0]
+    basis, triangle = np.linalg.qr(fit.problem.jacobian(fit.found.point, residual))
+    return residual, basis, triangle
 
 
 def waves(
@@ -86,8 +91,7 @@ def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
     Whatever the fit's own unknowns can do (linearised) is taken out of what is left, so that they need no search.
     """
     problem, point = trials[0].problem, fit.found.point
-    residual = fit.problem.residuals(point[None, :])[0]
-    basis, triangle = np.linalg.qr(fit.problem.jacobian(point, residual))
+    residual, basis, triangle = own_slopes(fit)
 
     def left_by(values: np.ndarray) -> np.ndarray:
         points = np.hstack([np.repeat(point[None, :], len(values), axis=0), values])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Required, TypedDict, Unpack
 
 import numpy as np
 
@@ -155,72 +155,49 @@ def points_beside(problem: Problem, origin: np.ndarray, shape: np.ndarray, moves
     return np.asarray(np.clip(origin + moves @ shape.T, *problem.bounds))
 
 
-def roam(
-    problem: Problem,
-    origin: np.ndarray,
-    shape: np.ndarray,
-    box: list[tuple[float, float]],
-    *,
-    size: int,
-    generations: int,
-    enough: float = 0.0,
-    seed: int = 0,
-    start: np.ndarray | None = None,
-) -> Found:
-    """Search globally over scaled points origin + shape u with u in a box.
+class Effort(TypedDict, total=False):
+    """How a global search goes about it.
 
-    Parameters
+    Attributes
     ----------
-    problem : Problem
-    origin : array, shape (unknowns,)
-    shape : array, shape (unknowns, unknowns)
-    box, size, generations, enough, seed, start
-        As of `roam_through`.
+    size : int
+        Points of a generation for each component of u, rounded up to a power of two in all.
+    generations : int
+    enough : float
+        Error at which the search ends early.
+    seed : int
+        The search is deterministic for a seed.
+    start : array, shape (m,), or None
+        A u that is among the first points.
     """
-    points_of = partial(points_beside, problem, origin, shape)
-    return roam_through(
-        problem, points_of, box, size=size, generations=generations, enough=enough, seed=seed, start=start
-    )
+
+    size: Required[int]
+    generations: Required[int]
+    enough: float
+    seed: int
+    start: np.ndarray | None
+
+
+def roam(
+    problem: Problem, origin: np.ndarray, shape: np.ndarray, box: list[tuple[float, float]], **effort: Unpack[Effort]
+) -> Found:
+    """Search globally over scaled points origin + shape u with u in a box, shape (unknowns, m)."""
+    return roam_through(problem, partial(points_beside, problem, origin, shape), box, **effort)
 
 
 def roam_through(
     problem: Problem,
     points_of: Callable[[np.ndarray], np.ndarray],
     box: list[tuple[float, float]],
-    *,
-    size: int,
-    generations: int,
-    enough: float = 0.0,
-    seed: int = 0,
-    start: np.ndarray | None = None,
+    **effort: Unpack[Effort],
 ) -> Found:
-    """Search globally over the scaled points that belong to u in a box.
-
-    Parameters
-    ----------
-    problem : Problem
-    points_of : callable
-        Scaled points, shape (p, unknowns), of u, shape (p, m).
-    box, size, generations, enough, seed, start
-        As of `roam_over`.
-    """
-
-    def errors_of(moves: np.ndarray) -> np.ndarray:
-        return errors(problem, points_of(moves))
-
-    moves, error = roam_over(errors_of, box, size=size, generations=generations, enough=enough, seed=seed, start=start)
+    """Search globally over the scaled points, shape (p, unknowns), that belong to u, shape (p, m), in a box."""
+    moves, error = roam_over(lambda moves: errors(problem, points_of(moves)), box, **effort)
     return Found(points_of(moves[None, :])[0], error)
 
 
 def roam_over(
-    errors_of: Callable[[np.ndarray], np.ndarray],
-    box: list[tuple[float, float]],
-    *,
-    size: int,
-    generations: int,
-    enough: float = 0.0,
-    seed: int = 0,
-    start: np.ndarray | None = None,
+    errors_of: Callable[[np.ndarray], np.ndarray], box: list[tuple[float, float]], **effort: Unpack[Effort]
 ) -> tuple[np.ndarray, float]:
     """Search globally over u in a box (differential evolution, scipy); return the best u, shape (m,), and its error.
 
@@ -232,28 +209,21 @@ def roam_over(
         Errors, shape (p,), of u, shape (p, m).
     box : list of (low, high)
         One for each component of u, m in all.
-    size : int
-        Points of a generation for each component of u, rounded up to a power of two in all.
-    generations : int
-    enough : float
-        Error at which the search ends early.
-    seed : int
-        The search is deterministic for a seed.
-    start : array, shape (m,), or None
-        A u that is among the first points.
+    effort
+        As `Effort` says.
     """
     from scipy.optimize import differential_evolution
 
     def end_early(intermediate_result: OptimizeResult) -> None:
-        if intermediate_result.fun <= enough:
+        if intermediate_result.fun <= effort.get("enough", 0.0):
             raise StopIteration
 
-    generator = np.random.default_rng(seed)
-    points = 1 << (size * len(box) - 1).bit_length()
+    generator = np.random.default_rng(effort.get("seed", 0))
+    points = 1 << (effort["size"] * len(box) - 1).bit_length()
     result = differential_evolution(
         lambda u: errors_of(np.atleast_2d(u.T)),
         box,
-        maxiter=generations,
+        maxiter=effort["generations"],
         tol=CONVERGED,
         mutation=(0.4, 0.9),
         recombination=0.9,
@@ -263,7 +233,7 @@ def roam_over(
         updating="deferred",
         init=spread_evenly(points, np.array(box).T, generator),
         rng=generator,
-        x0=start,
+        x0=effort.get("start"),
     )
     return result.x, float(result.fun)
 
