@@ -365,9 +365,9 @@ def plain_parameters(fit: Fit) -> dict[str, dict[str, dict[str, Any]]]:
     """Return the parameters of a fit's effects without uncertainty."""
     return {
         key: {
-            name: {"value": value, "unit": effect_of_key(key).parameter(name).unit, "std": None}
-            for name, value in values.items()
-            if np.isfinite(value)
+            each.name: {"value": values[each.name], "unit": each.unit, "std": None}
+            for each in effect_of_key(key).parameters
+            if np.isfinite(values[each.name]) and not (each.is_higher and values[each.name] == each.neutral)
         }
         for key, values in fit.model.effects.items()
     }

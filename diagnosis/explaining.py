@@ -12,6 +12,9 @@ GOOD_ENOUGH = 1.3
 FORM_SHARE = 0.05
 """Share of the base's error, in root mean square, that the right effect may leave for another form than ours."""
 
+AT_NOISE = 1.05
+"""Mean weighted square up to which nothing else can come nearer."""
+
 GENEROUS = 4.0
 """Factor by which two effects may leave more than one, in square, before a third is looked for."""
 
@@ -28,8 +31,10 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
     """Return whether a cause leaves so little that no further effect is looked for.
 
     What is left is below notice, beside a small part of what the base left: as much as the right effect leaves when it
-    has another form than ours; several effects, judged generously, leave more.
+    has another form than ours; several effects, judged generously, leave more. A series of waves has no other form.
     """
+    if candidate.has_series:
+        return misfit(candidate) < AT_NOISE
     allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
     return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
 

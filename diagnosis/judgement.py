@@ -93,7 +93,9 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     has_stops = stops_seen(candidates[0].fit)
     slips = np.array([makes_slips(each) for each in candidates])
     form = np.where(slips, FORM_SLIPS, FORM) if not has_stairs else np.full(len(slips), FORM_STAIRS)
-    left, before = np.array([errors_beyond_noise(each.score, base) for each in candidates]).T
+    # A whole series of waves has no other form.
+    form[np.array([each.has_series for each in candidates]) & ~slips] = 0.0
+    left, before = np.array([errors_beyond_noise(each.score, base, spares=each.has_series) for each in candidates]).T
     allowed = NOTICE + form * before
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
     # No effect has no form in which it could be missed: only what is below notice excuses it.
@@ -116,13 +118,18 @@ def sharpness_of(base: Score) -> float:
     return min(SHARPNESS, BLOCK_WORTH * len(base.free.weighted))
 
 
-def errors_beyond_noise(mine: Score, base: Score) -> tuple[float, float]:
+def errors_beyond_noise(mine: Score, base: Score, *, spares: bool = False) -> tuple[float, float]:
     """Return the squared errors of a cause and of the base beyond the noise. [noise^2]
 
     What a cause gains over the base in the one block in time where it gains most does not count: what helps in a single
-    one, such as the first after the start, is no effect of the valve. What it still misses there counts.
+    one, such as the first after the start, is no effect of the valve. What it still misses there counts, but for a load
+    that varies at will, of which the readings tell nothing while the stem rests: that `spares` the block where it
+    misses most.
     """
     left = excess(mine.free.mean, mine.anchored.mean)
+    if spares and len(mine.free.weighted) >= FEW_BLOCKS:
+        worst = int(np.argmax(mine.free.weighted))
+        left = excess(without_block(mine.free, worst), without_block(mine.anchored, worst))
     if len(mine.free.weighted) < FEW_BLOCKS:
         return left, excess(base.free.mean, base.anchored.mean)
     best = int(np.argmax(base.free.weighted - mine.free.weighted))
@@ -136,6 +143,12 @@ def without_gain(mine: Errors, base: Errors, block: int) -> float:
     """Return the mean weighted square of the base's run as if it had missed no more than a cause's in one block."""
     gain = max(float(base.weighted[block] - mine.weighted[block]), 0.0)
     return base.mean - gain / float(base.counts.sum() * base.signals)
+
+
+def without_block(errors: Errors, block: int) -> float:
+    """Return the mean weighted square of a run over all blocks but one."""
+    counts = errors.counts.sum() - errors.counts[block]
+    return float((errors.weighted.sum() - errors.weighted[block]) / (counts * errors.signals))
 
 
 def excess(free: float, anchored: float) -> float:

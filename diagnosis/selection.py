@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.explaining import explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
@@ -25,6 +25,9 @@ SHORTLIST, SHORTLIST_BACK = 6, 4
 
 SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
+
+SHORTLIST_ON_SERIES, BEST_ON_SERIES = 3, 2
+"""Effects that are tried beside a whole series of waves, by what they promise and because they are the best alone."""
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -47,9 +50,6 @@ REVERSED = 4
 
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
-
-AT_NOISE = 1.05
-"""Mean weighted square up to which nothing else can come nearer."""
 
 EXPLAINS_MUCH, EXPLAINS_SOME = 0.5, 0.75
 """Share of the base's squared error below which a cause must come whose runs take long for others to be tried on top of
@@ -120,11 +120,15 @@ def try_together(
         if not best_of(tried, size):
             break
         rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
+        rest = [each for each in rest if all(each is not leader for leader in leaders)]
         tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
         tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         if size == 2:
+            done: set[frozenset[str]] = set()
             for _ in range(ALIAS_ROUNDS):
-                tried = with_better(tried, try_all(exchanged(tried), holdout, pool, progress, what))
+                work = [each for each in exchanged(tried) if frozenset(each.effects) not in done]
+                done |= {frozenset(each.effects) for each in work}
+                tried = with_better(tried, try_all(work, holdout, pool, progress, what))
             for choice in (best_of(tried, 2), aliases_of_best(tried)):
                 tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
@@ -152,7 +156,8 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
 def is_blunt(candidate: Candidate) -> bool:
     """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
     effects = [effect_of_key(key) for key in candidate.effects]
-    return any(each.breakaway for each in effects) and not any(each.is_chaotic for each in effects)
+    ends_soon = not any(each.is_chaotic for each in effects) and not candidate.has_series
+    return any(each.breakaway for each in effects) and ends_soon
 
 
 def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
@@ -174,6 +179,7 @@ def extensions(
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
+    fits = {each.effects[0]: each.fit for each in best_of(tried, 1)}
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if not effect_of_key(key).fitted]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
@@ -181,13 +187,22 @@ def extensions(
     for leader in leaders:
         takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
-        certain = list(dict.fromkeys([*stopping, *(key for key in (*alone, *plain) if key not in leader.effects)]))
-        for key in shortlist(leader.fit, single, certain, min(count, SHORTLIST_SLOW) if takes_long else count):
+        has_series = leader.has_series
+        best = alone[:BEST_ON_SERIES] if has_series else alone
+        certain = list(dict.fromkeys([*stopping, *(key for key in (*best, *plain) if key not in leader.effects)]))
+        most = min(count, SHORTLIST_SLOW) if takes_long else min(count, SHORTLIST_ON_SERIES) if has_series else count
+        for key in shortlist(leader.fit, single, certain, most):
             effects = (*leader.effects, key)
-            if frozenset(effects) not in known:
-                known.add(frozenset(effects))
-                is_global = key in stopping and not effect_of_key(key).is_chaotic
+            if frozenset(effects) in known:
+                continue
+            known.add(frozenset(effects))
+            is_global = key in stopping and not effect_of_key(key).is_chaotic
+            if not has_series:
                 work.append(Work(leader.fit, effects, is_global, single[key]))
+            elif len(leader.effects) == 1:
+                # On top of the few unknowns of the other, not of the many of a series.
+                (own,) = leader.effects
+                work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
     return worthwhile(work, tried)
 
 
@@ -209,10 +224,11 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
     pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
     known = {each.effects for each in tried}
+    series = {key for each in best_of(tried, 1) if each.has_series for key in each.effects}
     return [
         Work(alone[second], (second, first), False, single[first])
         for first, second in pairs
-        if (second, first) not in known and not effect_of_key(first).is_jagged
+        if (second, first) not in known and not effect_of_key(first).is_jagged and second not in series
     ]
 
 

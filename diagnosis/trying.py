@@ -20,6 +20,9 @@ from identification.holdout import Holdout
 from identification.sharpening import sharpened
 from valvemodel.effects import effect_of_key
 
+SERIES = 4
+"""Free parameters that a series of like numbers counts as."""
+
 Progress = Callable[[str, float], None]
 
 
@@ -37,7 +40,9 @@ class Candidate:
     trace : float [noise]
         Change of the reading, root mean square, when the least of the effects is taken out; infinite for the base.
     freedom : int
-        Number of the effects' free parameters.
+        Number of the effects' free parameters; a series of like numbers, held by its prior, counts as few.
+    has_series : bool
+        Whether one of the effects is a whole series of waves, which has no other form than ours.
     """
 
     effects: tuple[str, ...]
@@ -45,6 +50,7 @@ class Candidate:
     score: Score
     trace: float = math.inf
     freedom: int = 0
+    has_series: bool = False
 
 
 @dataclass(frozen=True)
@@ -104,8 +110,14 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
             extended = extend_from(work.fit, key, work.known)
         else:
             extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global, worth=work.worth)
-        freedom = sum(len(effect_of_key(key).fitted) for key in work.effects)
-        return Candidate(work.effects, extended, score_fit(extended, holdout), trace_of(extended, holdout), freedom)
+        score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
+        return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
+
+
+def freedom_of(fit: Fit) -> int:
+    """Return the number of free parameters of a fit's effects; a series of like numbers, held by its prior, is few."""
+    fitted = [parameter for key in fit.model.effects for parameter in effect_of_key(key).fitted]
+    return sum(not each.is_higher for each in fitted) + (SERIES if fit.problem.has_series else 0)
 
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:

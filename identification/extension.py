@@ -12,7 +12,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
-from identification.screening import Trial, box_of, joined, placed, residual_positions, screened
+from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened
 from identification.search import Found, descend, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
@@ -31,9 +31,6 @@ long and ends nowhere exact."""
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
 
-LITTLE_LEFT = 1.1
-"""Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
-
 FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED = 6, 8, 5
 """Points of a search while starts are compared, where the error has more minima, and where each has its own slopes."""
 
@@ -49,6 +46,9 @@ SHRUNK = 0.1
 
 WORTH_LONG = 0.02
 """Share of a fit's error that starts must promise to explain for an effect to be followed whose runs take long."""
+
+SERIES_GAIN = 1.2
+"""Promise of a whole series, over that of its first wave, above which it is followed."""
 
 WORTH_FOLLOWING = 0.3
 """Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
@@ -124,7 +124,7 @@ def extended(
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
-        groups = [trials] if effect.is_jagged else alike(effect, trials)
+        groups = [trials] if effect.is_jagged else promising(alike(effect, trials))
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]
@@ -177,6 +177,8 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
+        return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
+    if group[0].problem.has_series:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in kept]
@@ -244,7 +246,8 @@ def as_given(fit: Fit, trial: Trial) -> np.ndarray:
 
 def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
-    start = trials[0].problem.model.effects[effect.key]
+    plain = next(trial for trial in trials if not trial.problem.has_series)
+    start = plain.problem.model.effects[effect.key]
     neutral = {parameter.name: parameter.neutral for parameter in effect.parameters}
     small = {
         each.name: neutral[each.name] + SHRUNK * (start[each.name] - neutral[each.name])
@@ -272,6 +275,12 @@ def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
         values = trial.problem.model.effects[effect.key]
         groups.setdefault(tuple(values[name] for name in held), []).append(trial)
     return list(groups.values())
+
+
+def promising(groups: list[list[Trial]]) -> list[list[Trial]]:
+    """Return groups without those of a whole series that promise little more than the rest."""
+    plain = max(group[0].gain for group in groups if not group[0].problem.has_series)
+    return [group for group in groups if not group[0].problem.has_series or group[0].gain > SERIES_GAIN * plain]
 
 
 def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -42,6 +43,13 @@ class Fit:
     def unknowns(self) -> Sequence[Unknown]:
         """The unknowns of the fit, in the order of the point."""
         return self.problem.unknowns
+
+    @cached_property
+    def own_slopes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residuals of the fit, shape (r,), and its Jacobian as basis, shape (r, unknowns), and triangle."""
+        residual = self.problem.residuals(self.found.point[None, :])[0]
+        basis, triangle = np.linalg.qr(self.problem.jacobian(self.found.point, residual))
+        return residual, basis, triangle
 
     def simulated_on(self, experiment: Experiment, *, is_anchored: bool = False) -> Simulated:
         """Run the fitted model over an experiment, free or re-anchored on its readings.

@@ -124,6 +124,11 @@ class Problem:
         return any(experiment.is_loop for experiment in self.experiments)
 
     @property
+    def has_series(self) -> bool:
+        """Whether a series of like numbers is among the unknowns, each of which costs a run."""
+        return any(unknown.is_higher for unknown in self.unknowns)
+
+    @property
     def prior_spreads(self) -> np.ndarray:
         """Standard deviations of the weak priors, scaled."""
         return np.array([unknown.prior_spread for unknown in self.unknowns])

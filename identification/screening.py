@@ -9,10 +9,14 @@ import numpy as np
 
 from identification.fit import Fit
 from identification.hints import is_periodic, nearby, starts_of
+from identification.load_series import block_numbers, ridge, series_over
 from identification.problem import Problem
 from identification.search import errors, roam_over
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
+
+LITTLE_LEFT = 1.1
+"""Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
 
 ANSWER = 0.5
 """Farthest that an unknown of the fit moves in answer to a start of an effect, scaled."""
@@ -22,6 +26,7 @@ TRIED_FORCE = 0.25
 
 SIZE, GENERATIONS = 8, 25
 """Points of a global search for each number of an effect, and generations."""
+
 
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
@@ -42,20 +47,15 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     Each is run once, and once more after the unknowns of the fit have answered it (linearised). Its promise is how
     much less error that leaves, or how much of the residual the change of the trajectory explains at any size.
     """
-    residual, basis, triangle = own_slopes(fit)
+    residual, basis, triangle = fit.own_slopes
     left = residual - basis @ (basis.T @ residual)
     starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
     if any(is_periodic(each) for each in effect.parameters):
         starts += waves(fit, effect, starts, left, basis)
+        if fit.found.error > LITTLE_LEFT * fit.problem.noise_error and not fit.problem.has_series:
+            starts.append(waves_together(fit, effect, starts[0], left, basis))
     trials = [promise(fit, effect, start, left, basis, triangle) for start in [*starts, *([known] if known else [])]]
     return sorted(trials, key=lambda trial: -trial.gain)
-
-
-def own_slopes(fit: Fit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the residuals of a fit, shape (r,), and its Jacobian as basis, shape (r, known), and triangle."""
-    residual = fit.problem.residuals(fit.found.point[None, :])[0]
-    basis, triangle = np.linalg.qr(fit.problem.jacobian(fit.found.point, residual))
-    return residual, basis, triangle
 
 
 def waves(
@@ -68,21 +68,35 @@ def waves(
     changes of the readings explain of the residual, whatever their sizes, is the promise of that period.
     """
     period = next(each.name for each in effect.parameters if is_periodic(each))
-    sizes = [each.name for each in effect.parameters if each.name != period]
+    sizes = [each.name for each in effect.fitted if each.name != period and not each.is_higher]
     longest = max(float(each.time[-1] - each.time[0]) for each in fit.problem.experiments)
     found = []
     for each in nearby([start[period] for start in starts], longest):
         changes = []
         for name in sizes:
-            tried = {other: 0.0 for other in sizes} | {name: TRIED_FORCE * starts[0][name], period: each}
+            tried = starts[0] | {other: 0.0 for other in sizes} | {name: TRIED_FORCE * starts[0][name], period: each}
             problem, point = joined(fit.problem, fit.found.point, effect, tried)
             changes.append(change_of(problem.residuals(point[None, :])[0], left, basis))
         columns = np.array(changes).T
         shares, *_ = np.linalg.lstsq(columns, -left, rcond=None)
         remaining = left + columns @ shares
         values = [float(TRIED_FORCE * starts[0][name] * share) for name, share in zip(sizes, shares, strict=True)]
-        found.append((float(remaining @ remaining), dict(zip(sizes, values, strict=True)) | {period: each}))
+        found.append((float(remaining @ remaining), starts[0] | dict(zip(sizes, values, strict=True)) | {period: each}))
     return [start for _, start in sorted(found, key=lambda pair: pair[0])[:KEPT_PERIODS]]
+
+
+def waves_together(
+    fit: Fit, effect: Effect, start: dict[str, float], left: np.ndarray, basis: np.ndarray
+) -> dict[str, float]:
+    """Return the start of a load that varies at will: all waves of a series over the record, solved for together."""
+    lull, names = series_over(fit.problem.experiments, effect)
+    size = TRIED_FORCE * start[names[0]]
+    changes = []
+    for name in names:
+        problem, point = joined(fit.problem, fit.found.point, effect, lull | {name: size})
+        changes.append(change_of(problem.residuals(point[None, :])[0], left, basis))
+    shares = ridge(np.array(changes).T, -left, block_numbers(fit.problem))
+    return lull | {name: float(size * share) for name, share in zip(names, shares, strict=True)}
 
 
 def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
@@ -91,7 +105,7 @@ def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
     Whatever the fit's own unknowns can do (linearised) is taken out of what is left, so that they need no search.
     """
     problem, point = trials[0].problem, fit.found.point
-    residual, basis, triangle = own_slopes(fit)
+    residual, basis, triangle = fit.own_slopes
 
     def left_by(values: np.ndarray) -> np.ndarray:
         points = np.hstack([np.repeat(point[None, :], len(values), axis=0), values])

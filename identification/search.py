@@ -24,6 +24,9 @@ SETTLING_REACH, SETTLING_EVALUATIONS = 0.1, 50
 CONVERGED = 1e-2
 """Spread of the errors of a global search's points, over their mean, at which a local search goes on."""
 
+RENEWED_SERIES = 3
+"""After how many steps at least the derivative is taken anew where a series of unknowns makes it dear."""
+
 
 @dataclass(frozen=True)
 class Found:
@@ -86,7 +89,7 @@ def descend(
 
     low, high = problem.bounds
     inside = np.clip(start, low + 1e-9, high - 1e-9)
-    slopes = Slopes(problem, renewed)
+    slopes = Slopes(problem, max(renewed, RENEWED_SERIES) if problem.has_series else renewed)
     result = least_squares(
         slopes.residuals,
         inside,

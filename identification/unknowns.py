@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class Unknown:
     high: float
     prior_spread: float = 1.0
     experiment: int = -1
+    is_higher: bool = False
 
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Return the value at a scaled number."""
@@ -84,8 +85,17 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
 
 
 def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
-    """Return the free parameters of an effect that starts somewhere; infinite ones stay neutral."""
-    return [unknown_of(each) for each in effect_of_key(key).fitted if math.isfinite(start[each.name])]
+    """Return the free parameters of an effect that starts somewhere; infinite ones and an idle series stay neutral."""
+    effect = effect_of_key(key)
+    series = [start[each.name] for each in effect.fitted if each.is_higher and start[each.name] != each.neutral]
+    if not series:
+        return [unknown_of(each) for each in effect.fitted if math.isfinite(start[each.name]) and not each.is_higher]
+    size = math.sqrt(sum(value * value for value in series) / len(series))
+    return [
+        replace(unknown_of(each), spread=size, is_higher=each.is_higher)
+        for each in effect.fitted
+        if each.scale == "linear" and (start[each.name] != each.neutral)
+    ]
 
 
 def unknown_of(parameter: Parameter) -> Unknown:

@@ -23,7 +23,8 @@ class Parameter:
     name of a hint that is read off the record (`HINTS`). `typical` is the value without one named, by default the
     first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
-    fit puts on the scaled number: 1 is a factor of e either way.
+    fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
+    numbers: a fit moves it only where it begins off neutral, and no table shows it.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Parameter:
     is_fitted: bool = True
     typical: float | None = None
     prior_spread: float = 1.0
+    is_higher: bool = False
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name
@@ -105,6 +107,11 @@ class Effect:
     def fitted(self) -> tuple[Parameter, ...]:
         """The parameters that a fit moves."""
         return tuple(parameter for parameter in self.parameters if parameter.is_fitted)
+
+    @property
+    def shown(self) -> tuple[Parameter, ...]:
+        """The parameters that a table shows: of a series of like numbers the first."""
+        return tuple(parameter for parameter in self.parameters if not parameter.is_higher)
 
     @property
     def typical(self) -> dict[str, float]:

@@ -111,9 +111,7 @@ def model_card(model: Model) -> Card:
 
     effects = {key: effect_of_key(key) for key in model.effects}
     tables = [_numbers("Valve", BASE_PARAMETERS, model.values)]
-    tables += [
-        _numbers(effect.title.capitalize(), effect.parameters, model.effects[key]) for key, effect in effects.items()
-    ]
+    tables += [_numbers(effect.title.capitalize(), effect.shown, model.effects[key]) for key, effect in effects.items()]
     return Card(f"Model {_called(model)}", tuple(tables))
 
 

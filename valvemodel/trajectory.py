@@ -230,7 +230,7 @@ class Trajectory(Shown, Plotted):
         lengths = np.diff(cuts)
         instants = (cuts[:-1, None] + lengths[:, None] * (NODES + 0.5)).ravel()
         inside = self.at(instants)
-        power = driving_force(numbers, inside) * inside.velocity
+        power = driving_force(numbers, inside, self.time[0]) * inside.velocity
         work = (power.reshape(-1, len(WEIGHTS)) * WEIGHTS).sum(axis=1) * lengths
         supplied = np.concatenate([[0.0], np.cumsum(work)])[np.searchsorted(cuts, self.time)]
         dissipated = supplied - (kinetic - kinetic[0]) - (stored - stored[0])
@@ -268,12 +268,15 @@ def stored_energy(numbers: dict[str, float], position: np.ndarray) -> np.ndarray
     return spring + numbers["spring_preload"] * position
 
 
-def driving_force(numbers: dict[str, float], run: Trajectory) -> np.ndarray:
-    """Return the force of pressure and load on the stem. [N]"""
+def driving_force(numbers: dict[str, float], run: Trajectory, start: float) -> np.ndarray:
+    """Return the force of pressure and load on the stem, of a load that began at a start [s]. [N]"""
     position = run.stem_position
     slope, curvature = numbers.get("area_slope", 0.0), numbers.get("area_curvature", 0.0)
     force = numbers["diaphragm_area"] * (1.0 + slope * position + curvature * position**2) * run.pressure
     if "load_period" in numbers:
-        angle = 2.0 * math.pi * (run.time - run.time[0]) / numbers["load_period"]
+        angle = 2.0 * math.pi * (run.time - start) / numbers["load_period"]
         force += numbers["load_sine"] * np.sin(angle) + numbers["load_cosine"] * np.cos(angle)
+        for wave in range(2, int(numbers["load_waves"]) + 1):
+            sine, cosine = numbers[f"load_sine_{wave}"], numbers[f"load_cosine_{wave}"]
+            force += sine * np.sin(wave * angle) + cosine * np.cos(wave * angle)
     return force

@@ -185,7 +185,9 @@ def _unknown_words(probability: float) -> CauseWords:
 def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWords:
     effect = DECLARED.get(key)
     meanings = {parameter.name: parameter.meaning for parameter in effect.parameters} if effect else {}
-    order = [name for name in meanings if name in found] + [name for name in found if name not in meanings]
+    series = {parameter.name for parameter in effect.parameters if parameter.is_higher} if effect else set()
+    named = [name for name in meanings if name in found and name not in series]
+    order = named + [name for name in found if name not in meanings]
     return EffectWords(
         key=key,
         title=effect_title(key),

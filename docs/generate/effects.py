@@ -101,7 +101,7 @@ def section(effect: Effect) -> str:
         f"$${effect.equation}$$",
         f"![What {effect.title} does to the loop of current and reading, and to steps](pictures/{effect.key}.svg)",
         "| parameter | meaning | unit | range | neutral | typical |\n|---|---|---|---|---|---|\n"
-        + "\n".join(map(row, effect.parameters)),
+        + "\n".join(map(row, effect.shown)),
     ]
     if effect.aliases:
         lines.append("Comes close to it in current and position: " + ", ".join(map(linked, effect.aliases)) + ".")

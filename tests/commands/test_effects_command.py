@@ -12,7 +12,7 @@ def test_list_has_every_effect_and_parameter_by_stage(command):
     output = command("effects").output
     for effect in EFFECTS:
         assert effect.key in output
-        for parameter in effect.parameters:
+        for parameter in effect.shown:
             assert f"{parameter.name} [{parameter.unit}]" in output
     assert [line.strip() for line in output.splitlines() if line.strip() in STAGES] == list(STAGES)
 
@@ -20,7 +20,7 @@ def test_list_has_every_effect_and_parameter_by_stage(command):
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.key)
 def test_one_effect_is_shown_whole(command, effect):
     output = " ".join(command("effects", effect.key).output.split())
-    for text in (effect.title, effect.meaning, effect.source, *(each.name for each in effect.parameters)):
+    for text in (effect.title, effect.meaning, effect.source, *(each.name for each in effect.shown)):
         assert text in output
 
 

@@ -138,6 +138,9 @@ class IndependentChain:
         spring = self.spring_rate * y * (1.0 + self.spring_progression * y + self.spring_hardening * y**2)
         angle = 2.0 * math.pi * time / self.load_period
         load = self.load_sine * math.sin(angle) + self.load_cosine * math.cos(angle)
+        for n in range(2, round(self.load_waves) + 1):
+            load += getattr(self, f"load_sine_{n}") * math.sin(n * angle)
+            load += getattr(self, f"load_cosine_{n}") * math.cos(n * angle)
         return area * pressure - spring - self.spring_preload + load
 
     def coulomb(self, time, y, pressure, side):

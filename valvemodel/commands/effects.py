@@ -89,8 +89,7 @@ def _list(console: Console, found: tuple[Effect, ...]) -> None:
         for effect in found:
             if effect.stage == stage:
                 parameters = "\n".join(
-                    f"{each.name} {_bracketed(each)}, {_bounds(each)}, {_amount(each.neutral)}"
-                    for each in effect.parameters
+                    f"{each.name} {_bracketed(each)}, {_bounds(each)}, {_amount(each.neutral)}" for each in effect.shown
                 )
                 table.add_row(effect.key, _plain(effect.meaning), parameters)
         console.print(table)
@@ -119,7 +118,7 @@ def _show(console: Console, effect: Effect) -> None:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("parameter", "unit", "bounds", "neutral", "typical", "meaning"):
         table.add_column(heading, no_wrap=heading in ("parameter", "bounds"))
-    for each in effect.parameters:
+    for each in effect.shown:
         table.add_row(
             each.name,
             each.unit,

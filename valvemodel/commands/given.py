@@ -151,7 +151,7 @@ def with_effects(model: Model, texts: Sequence[str]) -> tuple[Model, list[str]]:
         model = model.with_effect(key, **values)
         taken = [
             f"{each.name} {format_quantity(model.effects[key][each.name], each.unit)}"
-            for each in effect_of_key(key).parameters
+            for each in effect_of_key(key).shown
             if each.name not in values
         ]
         if taken:

@@ -36,7 +36,7 @@ def curves(n: SimpleNamespace) -> bool:
 
 def varies(n: SimpleNamespace) -> bool:
     """Return whether the forces on a stem change while it stands still."""
-    return moves(n) or n.load_sine != 0.0 or n.load_cosine != 0.0 or n.friction_drift_rate != 0.0
+    return moves(n) or n.load_sine != 0.0 or n.load_cosine != 0.0 or n.load_waves > 1.0 or n.friction_drift_rate != 0.0
 
 
 class CurvedStem:

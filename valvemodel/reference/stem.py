@@ -17,8 +17,17 @@ def thrust(n: SimpleNamespace, position: float, pressure: float, time: float) ->
     area = n.diaphragm_area * (1.0 + n.area_slope * position + n.area_curvature * position**2)
     stiffening = 1.0 + n.spring_progression * position + n.spring_hardening * position**2
     spring = n.spring_preload + n.spring_rate * position * stiffening
+    return area * pressure - spring + load(n, time)
+
+
+def load(n: SimpleNamespace, time: float) -> float:
+    """Return the load as the sum of its waves. [N]"""
     angle = 2.0 * pi * time / n.load_period
-    return area * pressure - spring + n.load_sine * sin(angle) + n.load_cosine * cos(angle)
+    force = n.load_sine * sin(angle) + n.load_cosine * cos(angle)
+    for wave in range(2, int(n.load_waves) + 1):
+        sine, cosine = getattr(n, f"load_sine_{wave}"), getattr(n, f"load_cosine_{wave}")
+        force += sine * sin(wave * angle) + cosine * cos(wave * angle)
+    return force
 
 
 def coulomb_friction(n: SimpleNamespace, side: float, position: float, pressure: float, time: float) -> float:

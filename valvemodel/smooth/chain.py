@@ -117,6 +117,7 @@ class SmoothChain:
         p.filters, p.wears = self.filters, self.wears
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
+        p.waves = int(self.model.numbers.get("load_waves", 1.0))
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
         p.highest = [name for name in ("travel_max", "upper_stop") if name in self.parameters]
         p.lowest = [name for name in ("travel_min", "lower_stop") if name in self.parameters]

@@ -125,6 +125,9 @@ def thrust(p: Any, position: Expression, pressure: Expression, time: Expression)
     if "load_force" in p.effects:
         angle = 2.0 * math.pi * time / p.load_period
         force += p.load_sine * ca.sin(angle) + p.load_cosine * ca.cos(angle)
+        for wave in range(2, p.waves + 1):
+            sine, cosine = getattr(p, f"load_sine_{wave}"), getattr(p, f"load_cosine_{wave}")
+            force += sine * ca.sin(wave * angle) + cosine * ca.cos(wave * angle)
     return force
 
 

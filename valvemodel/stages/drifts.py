@@ -1,7 +1,7 @@
 """Drifts held for a period: what changes so slowly that a coarse run takes it in steps.
 
-Gap, load and friction may change while the current is held, and then no closed form holds. Where that moves the stem by
-less than the tolerance within half a period, they stand still in each period as they are in its middle.
+Gap, load and friction may change while the current is held, and then no closed form holds. Where a stem would come less
+than the tolerance too late, they stand still in each period as they are in its middle.
 """
 
 from __future__ import annotations
@@ -12,7 +12,15 @@ from valvemodel.compiled import compiled
 from valvemodel.stages.electromagnet import gap_drift
 from valvemodel.stages.motion import plan_friction
 from valvemodel.stages.part import is_coarse
-from valvemodel.stages.stem import fastest_drift, friction_growth, load, varies_in_time
+from valvemodel.stages.stem import (
+    fastest_drift,
+    friction_drift,
+    friction_growth,
+    has_load,
+    load,
+    usual_slope,
+    varies_in_time,
+)
 
 STEEPEST = 3.0 * math.sqrt(3.0) / 8.0
 """Steepest fall of 1/(x^2 + 1), where x^2 = 1/3: of eq. (16) in the gap."""
@@ -29,9 +37,24 @@ def may_hold_drifts(p, period, tolerance):
     """Return whether a run with periods of at most so long takes what drifts in steps."""
     if not (is_coarse(tolerance) and has_drifts(p)):
         return False
-    # A gap drifts fastest at the start.
+    # A gap drifts fastest at the start; many waves are steep together only for moments.
     pull = p.diaphragm_area * STEEPEST * p.supply_pressure * math.sqrt(p.flow_ratio)
-    return 0.5 * period * (fastest_drift(p) + pull * abs(p.gap_drift_rate)) <= tolerance * p.spring_rate
+    slope = fastest_drift(p) if p.load_waves == 1.0 else usual_slope(p) + friction_drift(p)
+    return late_by(p, period) * (slope + pull * abs(p.gap_drift_rate)) <= tolerance * p.spring_rate
+
+
+@compiled
+def late_by(p, period):
+    """Return by how much a slipping stem is late at a sample where a force that rises is held at its middle value. [s]
+
+    A stem without mass follows a ramp late by f_v/k; the steps that stand for it come half a period and what is left of
+    the last step late.
+    """
+    if p.viscous_friction <= 0.0 or p.spring_rate <= 0.0:
+        return 0.5 * period
+    follows = p.viscous_friction / p.spring_rate
+    fade = math.exp(-period / follows)
+    return 0.5 * period + period * fade / (1.0 - fade) - follows
 
 
 @compiled
@@ -47,6 +70,7 @@ def longest_period(time):
 def take_out_drifts(p):
     """Let nothing drift by itself in the numbers of a run."""
     p.gap_drift_rate = p.load_sine = p.load_cosine = p.friction_drift_rate = 0.0
+    p.load_waves = 1.0
 
 
 @compiled
@@ -55,7 +79,7 @@ def hold_drifts(p, state, given, time):
     if given.gap_drift_rate != 0.0:
         p.gap_offset = given.gap_offset + gap_drift(given, time)
         state.rest_drive = math.nan
-    if given.load_sine != 0.0 or given.load_cosine != 0.0:
+    if has_load(given):
         p.spring_preload = given.spring_preload - load(given, time)
     if given.friction_drift_rate != 0.0:
         p.coulomb_friction = given.coulomb_friction * friction_growth(given, time)

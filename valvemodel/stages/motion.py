@@ -21,6 +21,7 @@ from valvemodel.stages.stem import (
     breakaway_ratio,
     fastest_drift,
     has_held_limit,
+    has_load,
     highest_position,
     is_linear,
     lowest_position,
@@ -248,8 +249,8 @@ def remembered_transition(p, state, damping, stiffness, duration, is_odd):
 def longest_step(p):
     """Return the longest step that cannot miss what forces that vary in time do within. [s]"""
     longest = math.inf
-    if p.load_sine != 0.0 or p.load_cosine != 0.0:
-        longest = RESOLVED * p.load_period
+    if has_load(p):
+        longest = RESOLVED * p.load_period / p.load_waves
     if p.friction_drift_rate != 0.0:
         longest = min(longest, RESOLVED * p.friction_drift_time)
     return longest

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from numba import literal_unroll
+
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
@@ -13,6 +15,14 @@ from valvemodel.stages.slip import STOP_SPEED
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
 FARTHEST = 10.0
 """No stem goes farther, the bound of the travel limits; one that its spring does not hold ends here. [m]"""
+
+MOST_WAVES = 20
+"""Waves that a load has at most."""
+
+HIGHER_SINES, HIGHER_COSINES = (
+    tuple(f"load_{kind}_{number}" for number in range(2, MOST_WAVES + 1)) for kind in ("sine", "cosine")
+)
+"""Names of the sizes of a load's waves from the second on."""
 
 EFFECTS = (
     Effect(
@@ -308,12 +318,27 @@ EFFECTS = (
         stage="stem",
         title="load force",
         meaning="flow on the plug or another unmeasured force, periodic or slowly varying",
-        equation=r"F_g = A \sin(2\pi t/T) + B \cos(2\pi t/T)",
-        source="paper eq. (1), F_g; one Fourier component",
+        equation=r"F_g = \sum_{n=1}^N A_n \sin(2\pi n t/T) + B_n \cos(2\pi n t/T)",
+        source="paper eq. (1), F_g; its Fourier series: a periodic load is one wave, a slowly varying one is many",
         parameters=(
             Parameter("load_sine", "N", "A", -5000.0, 5000.0, 0.0, (200.0,)),
             Parameter("load_cosine", "N", "B", -5000.0, 5000.0, 0.0, (200.0,)),
             Parameter("load_period", "s", "T", 0.5, 2000.0, 30.0, ("residual_period",), "log", typical=30.0),
+            Parameter(
+                "load_waves",
+                "1",
+                "N: waves that act; A_n, B_n from the second on are load_sine_n, load_cosine_n",
+                1.0,
+                MOST_WAVES,
+                1.0,
+                (1.0,),
+                is_fitted=False,
+            ),
+            *(
+                Parameter(name, "N", f"{letter}_n, n = {number}", -5000.0, 5000.0, 0.0, (0.0,), is_higher=True)
+                for letter, names in (("A", HIGHER_SINES), ("B", HIGHER_COSINES))
+                for number, name in enumerate(names, start=2)
+            ),
         ),
         aliases=("gap_drift", "sensor_drift"),
         acts_in_time=True,
@@ -346,11 +371,71 @@ EFFECTS = (
 driving_force = inlined(numeric.driving_force)
 
 
-@inlined
+@compiled
+def higher_waves(p, sine, cosine):
+    """Return the load of all waves but the first, whose sine and cosine are given. [N]"""
+    force, number, wave_sine, wave_cosine = 0.0, 1.0, sine, cosine
+    for name in literal_unroll(HIGHER_SINES):
+        number += 1.0
+        wave_sine, wave_cosine = wave_sine * cosine + wave_cosine * sine, wave_cosine * cosine - wave_sine * sine
+        if number <= p.load_waves:
+            force += p[name] * wave_sine
+    number, wave_sine, wave_cosine = 1.0, sine, cosine
+    for name in literal_unroll(HIGHER_COSINES):
+        number += 1.0
+        wave_sine, wave_cosine = wave_sine * cosine + wave_cosine * sine, wave_cosine * cosine - wave_sine * sine
+        if number <= p.load_waves:
+            force += p[name] * wave_cosine
+    return force
+
+
+@compiled
+def steepest_waves(p):
+    """Return a bound on how the load of all waves but the first changes with the first one's angle. [N]"""
+    slope, number = 0.0, 1.0
+    for name in literal_unroll(HIGHER_SINES):
+        number += 1.0
+        if number <= p.load_waves:
+            slope += number * abs(p[name])
+    number = 1.0
+    for name in literal_unroll(HIGHER_COSINES):
+        number += 1.0
+        if number <= p.load_waves:
+            slope += number * abs(p[name])
+    return slope
+
+
+@compiled
+def usual_slope(p):
+    """Return twice the root mean square of a load's slope. [N/s]"""
+    square, number = p.load_sine * p.load_sine + p.load_cosine * p.load_cosine, 1.0
+    for name in literal_unroll(HIGHER_SINES):
+        number += 1.0
+        if number <= p.load_waves:
+            square += number * number * p[name] * p[name]
+    number = 1.0
+    for name in literal_unroll(HIGHER_COSINES):
+        number += 1.0
+        if number <= p.load_waves:
+            square += number * number * p[name] * p[name]
+    return 2.0 * math.pi / p.load_period * math.sqrt(2.0 * square)
+
+
+@compiled
 def load(p, time):
     """Return the load force at an instant. [N]"""
     angle = 2.0 * math.pi * time / p.load_period
-    return p.load_sine * math.sin(angle) + p.load_cosine * math.cos(angle)
+    sine, cosine = math.sin(angle), math.cos(angle)
+    force = p.load_sine * sine + p.load_cosine * cosine
+    if p.load_waves > 1.0:
+        force += higher_waves(p, sine, cosine)
+    return force
+
+
+@inlined
+def has_load(p):
+    """Return whether a load acts."""
+    return p.load_sine != 0.0 or p.load_cosine != 0.0 or p.load_waves > 1.0
 
 
 @inlined
@@ -371,7 +456,7 @@ def thrust(p, position, pressure, time):
         force -= p.spring_rate * p.spring_hardening * position * position * position
     if p.spring_progression != 0.0:
         force -= p.spring_rate * p.spring_progression * position * position
-    if p.load_sine != 0.0 or p.load_cosine != 0.0:
+    if has_load(p):
         force += load(p, time)
     return force
 
@@ -452,15 +537,24 @@ def has_held_limit(p):
 @compiled
 def varies_in_time(p):
     """Return whether the forces on the stem change under a held pressure and position."""
-    return p.load_sine != 0.0 or p.load_cosine != 0.0 or p.friction_drift_rate != 0.0
+    return has_load(p) or p.friction_drift_rate != 0.0
 
 
 @compiled
 def fastest_drift(p):
     """Return how fast the forces that hold a resting stem change at most under a held pressure. [N/s]"""
-    steepest = 2.0 * math.pi / p.load_period * math.hypot(p.load_sine, p.load_cosine)
+    steepest = math.hypot(p.load_sine, p.load_cosine)
+    if p.load_waves > 1.0:
+        steepest += steepest_waves(p)
+    steepest *= 2.0 * math.pi / p.load_period
+    return steepest + friction_drift(p)
+
+
+@compiled
+def friction_drift(p):
+    """Return how fast the breakaway force changes at most. [N/s]"""
     roughest = p.coulomb_friction * (1.0 + abs(p.friction_asymmetry)) * (1.0 + max(p.tight_spot_excess, 0.0))
-    return steepest + breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
+    return breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
 
 
 @compiled

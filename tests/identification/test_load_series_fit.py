@@ -1,0 +1,81 @@
+"""A load that varies at will is found as a series of waves, and only where one wave does not do."""
+
+import numpy as np
+import pytest
+from blind_fits import fits_to_plant
+
+from diagnosis.blindtest.chain.clock import clock_of
+from diagnosis.blindtest.chain.stem import load_force
+from diagnosis.trying import SERIES, freedom_of
+from identification.extension import extend
+from identification.load_series import block_numbers, ridge, series_over
+from identification.screening import screened
+from valvemodel.effects import effect_of_key
+from valvemodel.stages.stem import MOST_WAVES, load
+
+LOAD = effect_of_key("load_force")
+SEEDS = [9224, 9226]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_wandering_load_is_explained_to_the_noise(seed, tmp_path):
+    plant, base, found = fits_to_plant(seed, "load_force", tmp_path, nuisance=True)
+    assert plant.effects[0].formulation == "wander"
+    noise = found.problem.noise_error
+    assert base.found.error > 20.0 * noise
+    assert found.found.error < 1.1 * noise
+    assert found.model.effects["load_force"]["load_waves"] == MOST_WAVES
+    assert freedom_of(found) == 3 + SERIES
+
+
+def test_the_load_that_is_found_is_the_one_that_acted(tmp_path):
+    plant, _, found = fits_to_plant(9226, "load_force", tmp_path)
+    experiment = found.problem.experiments[0]
+    clock = clock_of(experiment.time, 1e-3)
+    acted = -load_force(clock, tuple(plant.effects))[: len(experiment.time)]
+    row = found.model.rows()[0]
+    told = np.array([load(row, time) for time in experiment.time])
+    # A constant load is another opening of the nozzle, and nothing shows while the stem rests.
+    moves = np.abs(np.gradient(experiment.position, experiment.time)) > 0.01
+    error = (told - acted)[moves] - np.median((told - acted)[moves])
+    assert moves.sum() > 500
+    assert np.median(np.abs(error)) < 0.15 * acted.std()
+
+
+def test_one_wave_is_enough_for_a_periodic_load(tmp_path):
+    plant, _, found = fits_to_plant(9208, "load_force", tmp_path, nuisance=True)
+    assert plant.effects[0].formulation == "sine"
+    assert found.model.effects["load_force"]["load_waves"] == 1.0
+    assert freedom_of(found) == 3
+
+
+def test_a_series_is_not_tried_where_nothing_is_left_or_on_top_of_another(tmp_path):
+    _, base, found = fits_to_plant(9226, "load_force", tmp_path)
+    assert any(trial.problem.has_series for trial in screened(base, LOAD))
+    done = extend(base, "load_force")
+    assert done.problem.has_series
+    assert not any(trial.problem.has_series and trial.gain > 0.5 * done.found.error for trial in screened(found, LOAD))
+
+
+def test_a_series_lasts_longer_than_the_record(tmp_path):
+    _, base, _ = fits_to_plant(9226, "load_force", tmp_path)
+    lull, names = series_over(base.problem.experiments, LOAD)
+    assert lull["load_period"] > base.problem.experiments[0].time[-1]
+    assert len(names) == 2 * lull["load_waves"] == len(set(names))
+    assert all(lull[name] == 0.0 for name in names)
+    block = block_numbers(base.problem)
+    assert len(block) == len(base.problem.residuals(base.found.point[None, :])[0])
+
+
+def test_a_ridge_foretells_blocks_that_it_has_not_seen():
+    generator = np.random.default_rng(4)
+    block = np.repeat(np.arange(40), 5)
+    columns = generator.normal(size=(200, 60))
+    truth = np.zeros(60)
+    truth[:5] = generator.normal(size=5)
+    wanted = columns @ truth + generator.normal(size=200)
+    weights = ridge(columns, wanted, block)
+    plain = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+    unseen = generator.normal(size=(1000, 60))
+    missed = [np.mean((unseen @ (each - truth)) ** 2) for each in (weights, plain)]
+    assert missed[0] < missed[1]
