@@ -9,7 +9,7 @@ import numpy as np
 from identification.experiment import Experiment
 from identification.problem import Problem
 from valvemodel.declarations import Effect
-from valvemodel.stages.stem import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES
+from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES
 
 LENGTH = 1.1
 """Period of a series over the record's length: its two ends need not meet."""

@@ -11,7 +11,7 @@ from identification.extension import extend
 from identification.load_series import block_numbers, ridge, series_over
 from identification.screening import screened
 from valvemodel.effects import effect_of_key
-from valvemodel.stages.stem import MOST_WAVES, load
+from valvemodel.stages.load import MOST_WAVES, load
 
 LOAD = effect_of_key("load_force")
 SEEDS = [9224, 9226]

@@ -10,7 +10,7 @@ from valvemodel.reference import simulate_slowly
 from valvemodel.simulation import simulate
 from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
 from valvemodel.stages.drifts import longest_period, may_hold_drifts
-from valvemodel.stages.stem import MOST_WAVES, load, steepest_waves
+from valvemodel.stages.load import MOST_WAVES, load, steepest_slope, usual_slope
 
 TIME, CURRENT = ramps_and_steps(seconds=12.0, seed=3)
 SIZES = np.random.default_rng(1).normal(0.0, 30.0, (2, MOST_WAVES))
@@ -36,12 +36,14 @@ def test_as_many_waves_act_as_are_said(waves):
     assert [load(row, time) for time in TIME[::20]] == pytest.approx(expected, abs=1e-9)
 
 
-def test_the_slope_of_all_higher_waves_stays_within_its_bound():
-    row = series(MOST_WAVES).rows()[0]
+@pytest.mark.parametrize("waves", [1, 5, MOST_WAVES])
+def test_the_slope_of_the_load_stays_within_its_bound(waves):
+    row = series(waves).rows()[0]
     time = np.linspace(0.0, PERIOD, 20_001)
-    higher = force_at(time, MOST_WAVES) - force_at(time, 1)
-    slope = np.abs(np.gradient(higher, 2.0 * np.pi * time / PERIOD)).max()
-    assert slope <= steepest_waves(row) < 10.0 * slope
+    slope = np.abs(np.gradient(force_at(time, waves), time))
+    assert slope.max() <= steepest_slope(row) * (1.0 + 1e-6) < 4.0 * slope.max()
+    times = np.sqrt(2.0) if waves == 1 else 2.0
+    assert usual_slope(row) == pytest.approx(times * np.sqrt((slope**2).mean()), rel=1e-3)
 
 
 def test_the_exact_run_agrees_with_two_that_share_no_code_with_it():

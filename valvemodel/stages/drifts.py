@@ -10,17 +10,10 @@ import math
 
 from valvemodel.compiled import compiled
 from valvemodel.stages.electromagnet import gap_drift
+from valvemodel.stages.load import has_load, load, usual_slope
 from valvemodel.stages.motion import plan_friction
 from valvemodel.stages.part import is_coarse
-from valvemodel.stages.stem import (
-    fastest_drift,
-    friction_drift,
-    friction_growth,
-    has_load,
-    load,
-    usual_slope,
-    varies_in_time,
-)
+from valvemodel.stages.stem import friction_drift, friction_growth, varies_in_time
 
 STEEPEST = 3.0 * math.sqrt(3.0) / 8.0
 """Steepest fall of 1/(x^2 + 1), where x^2 = 1/3: of eq. (16) in the gap."""
@@ -37,10 +30,10 @@ def may_hold_drifts(p, period, tolerance):
     """Return whether a run with periods of at most so long takes what drifts in steps."""
     if not (is_coarse(tolerance) and has_drifts(p)):
         return False
-    # A gap drifts fastest at the start; many waves are steep together only for moments.
+    # A gap drifts fastest at the start.
     pull = p.diaphragm_area * STEEPEST * p.supply_pressure * math.sqrt(p.flow_ratio)
-    slope = fastest_drift(p) if p.load_waves == 1.0 else usual_slope(p) + friction_drift(p)
-    return late_by(p, period) * (slope + pull * abs(p.gap_drift_rate)) <= tolerance * p.spring_rate
+    fastest = usual_slope(p) + friction_drift(p) + pull * abs(p.gap_drift_rate)
+    return late_by(p, period) * fastest <= tolerance * p.spring_rate
 
 
 @compiled

@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.linkage import TOUCHING, way_to_contact
+from valvemodel.stages.load import has_load
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
 from valvemodel.stages.response import remember_response
@@ -21,7 +22,6 @@ from valvemodel.stages.stem import (
     breakaway_ratio,
     fastest_drift,
     has_held_limit,
-    has_load,
     highest_position,
     is_linear,
     lowest_position,

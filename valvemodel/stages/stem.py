@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import math
 
-from numba import literal_unroll
-
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES, has_load, load, steepest_slope
 from valvemodel.stages.sliders import bend_sliders, has_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
 FARTHEST = 10.0
 """No stem goes farther, the bound of the travel limits; one that its spring does not hold ends here. [m]"""
-
-MOST_WAVES = 20
-"""Waves that a load has at most."""
-
-HIGHER_SINES, HIGHER_COSINES = (
-    tuple(f"load_{kind}_{number}" for number in range(2, MOST_WAVES + 1)) for kind in ("sine", "cosine")
-)
-"""Names of the sizes of a load's waves from the second on."""
 
 EFFECTS = (
     Effect(
@@ -371,73 +362,6 @@ EFFECTS = (
 driving_force = inlined(numeric.driving_force)
 
 
-@compiled
-def higher_waves(p, sine, cosine):
-    """Return the load of all waves but the first, whose sine and cosine are given. [N]"""
-    force, number, wave_sine, wave_cosine = 0.0, 1.0, sine, cosine
-    for name in literal_unroll(HIGHER_SINES):
-        number += 1.0
-        wave_sine, wave_cosine = wave_sine * cosine + wave_cosine * sine, wave_cosine * cosine - wave_sine * sine
-        if number <= p.load_waves:
-            force += p[name] * wave_sine
-    number, wave_sine, wave_cosine = 1.0, sine, cosine
-    for name in literal_unroll(HIGHER_COSINES):
-        number += 1.0
-        wave_sine, wave_cosine = wave_sine * cosine + wave_cosine * sine, wave_cosine * cosine - wave_sine * sine
-        if number <= p.load_waves:
-            force += p[name] * wave_cosine
-    return force
-
-
-@compiled
-def steepest_waves(p):
-    """Return a bound on how the load of all waves but the first changes with the first one's angle. [N]"""
-    slope, number = 0.0, 1.0
-    for name in literal_unroll(HIGHER_SINES):
-        number += 1.0
-        if number <= p.load_waves:
-            slope += number * abs(p[name])
-    number = 1.0
-    for name in literal_unroll(HIGHER_COSINES):
-        number += 1.0
-        if number <= p.load_waves:
-            slope += number * abs(p[name])
-    return slope
-
-
-@compiled
-def usual_slope(p):
-    """Return twice the root mean square of a load's slope. [N/s]"""
-    square, number = p.load_sine * p.load_sine + p.load_cosine * p.load_cosine, 1.0
-    for name in literal_unroll(HIGHER_SINES):
-        number += 1.0
-        if number <= p.load_waves:
-            square += number * number * p[name] * p[name]
-    number = 1.0
-    for name in literal_unroll(HIGHER_COSINES):
-        number += 1.0
-        if number <= p.load_waves:
-            square += number * number * p[name] * p[name]
-    return 2.0 * math.pi / p.load_period * math.sqrt(2.0 * square)
-
-
-@compiled
-def load(p, time):
-    """Return the load force at an instant. [N]"""
-    angle = 2.0 * math.pi * time / p.load_period
-    sine, cosine = math.sin(angle), math.cos(angle)
-    force = p.load_sine * sine + p.load_cosine * cosine
-    if p.load_waves > 1.0:
-        force += higher_waves(p, sine, cosine)
-    return force
-
-
-@inlined
-def has_load(p):
-    """Return whether a load acts."""
-    return p.load_sine != 0.0 or p.load_cosine != 0.0 or p.load_waves > 1.0
-
-
 @inlined
 def friction_growth(p, time):
     """Return the friction at an instant over that at the start."""
@@ -543,11 +467,7 @@ def varies_in_time(p):
 @compiled
 def fastest_drift(p):
     """Return how fast the forces that hold a resting stem change at most under a held pressure. [N/s]"""
-    steepest = math.hypot(p.load_sine, p.load_cosine)
-    if p.load_waves > 1.0:
-        steepest += steepest_waves(p)
-    steepest *= 2.0 * math.pi / p.load_period
-    return steepest + friction_drift(p)
+    return steepest_slope(p) + friction_drift(p)
 
 
 @compiled
