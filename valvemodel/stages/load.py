@@ -60,7 +60,7 @@ def steepest_slope(p):
 
 @compiled
 def usual_slope(p):
-    """Return how fast the load changes, but for moments in which many waves are steep: twice its root mean square. [N/s]
+    """Return how fast the load changes but for moments: twice the root mean square of its slope. [N/s]
 
     Of one wave that is the bound.
     """
