@@ -93,13 +93,13 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     has_stops = stops_seen(candidates[0].fit)
     slips = np.array([makes_slips(each) for each in candidates])
     form = np.where(slips, FORM_SLIPS, FORM) if not has_stairs else np.full(len(slips), FORM_STAIRS)
-    # A whole series of waves has no other form.
-    form[np.array([each.has_series for each in candidates]) & ~slips] = 0.0
     left, before = np.array([errors_beyond_noise(each.score, base, spares=each.has_series) for each in candidates]).T
     allowed = NOTICE + form * before
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
-    # No effect has no form in which it could be missed: only what is below notice excuses it.
-    evidence[0] -= sharpness * math.log((1.0 + left[0] / NOTICE) / (1.0 + left[0] / allowed[0]))
+    # No effect has no form in which it could be missed, nor has a whole series of waves: only what is below notice
+    # excuses it.
+    formless = np.array([not each.effects or (each.has_series and not makes_slips(each)) for each in candidates])
+    evidence -= sharpness * formless * np.log((1.0 + left / NOTICE) / (1.0 + left / allowed))
     if has_stops:
         evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
     support = evidence + np.array([log_prior(each) for each in candidates])

@@ -112,7 +112,7 @@ def try_together(
         if explains(min(tried, key=misfit), base, generous=size > 2):
             break
         order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
-        leaders = [each for each in unlike(order)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+        leaders = leaders_of(order)
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
@@ -134,6 +134,16 @@ def try_together(
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, of some in their order, that are tried with one more effect.
+
+    A whole series of waves that comes nearest may stand in for much else: it leads beside others, not in their place.
+    """
+    plain = [each for each in order if not each.has_series]
+    leaders = [each for each in unlike(plain)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(plain[0])]
+    return [*order[:1], *leaders] if order[0].has_series else leaders
 
 
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:

@@ -20,7 +20,7 @@ from identification.holdout import Holdout
 from identification.sharpening import sharpened
 from valvemodel.effects import effect_of_key
 
-SERIES = 4
+SERIES = 2
 """Free parameters that a series of like numbers counts as."""
 
 Progress = Callable[[str, float], None]
