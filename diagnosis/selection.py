@@ -184,7 +184,10 @@ def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
 def extensions(
     leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]], count: int
 ) -> list[Work]:
-    """Return what is to be tried on top of some causes: the most promising effects, no cause twice."""
+    """Return what is to be tried on top of some causes: the most promising effects, no cause twice.
+
+    A whole series of waves is laid on top of the other effect, and bears no third.
+    """
     known = {frozenset(each.effects) for each in tried}
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
@@ -195,24 +198,25 @@ def extensions(
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
+        if leader.has_series and len(leader.effects) > 1:
+            continue
         takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
-        has_series = leader.has_series
-        best = alone[:BEST_ON_SERIES] if has_series else alone
+        best = alone[:BEST_ON_SERIES] if leader.has_series else alone
         certain = list(dict.fromkeys([*stopping, *(key for key in (*best, *plain) if key not in leader.effects)]))
-        most = min(count, SHORTLIST_SLOW) if takes_long else min(count, SHORTLIST_ON_SERIES) if has_series else count
-        for key in shortlist(leader.fit, single, certain, most):
+        most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
+        for key in shortlist(leader.fit, single, certain, min(count, most)):
             effects = (*leader.effects, key)
             if frozenset(effects) in known:
                 continue
             known.add(frozenset(effects))
             is_global = key in stopping and not effect_of_key(key).is_chaotic
-            if not has_series:
-                work.append(Work(leader.fit, effects, is_global, single[key]))
-            elif len(leader.effects) == 1:
+            if leader.has_series:
                 # On top of the few unknowns of the other, not of the many of a series.
                 (own,) = leader.effects
                 work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
+            else:
+                work.append(Work(leader.fit, effects, is_global, single[key]))
     return worthwhile(work, tried)
 
 

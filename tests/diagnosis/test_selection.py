@@ -1,11 +1,22 @@
 """What is tried: stand-ins make room for what they stand in for."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from diagnosis import selection
-from diagnosis.selection import FAR_BEHIND, NO_GAIN, exchanged, is_worth_its_time, with_better, worthwhile
+from diagnosis.explaining import AT_NOISE, explains
+from diagnosis.selection import (
+    FAR_BEHIND,
+    NO_GAIN,
+    exchanged,
+    extensions,
+    is_worth_its_time,
+    leaders_of,
+    with_better,
+    worthwhile,
+)
 from diagnosis.trying import Candidate, Work
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
@@ -15,6 +26,41 @@ def candidate(misfit: float, *effects: str) -> Candidate:
     model, found = SimpleNamespace(effects=values), SimpleNamespace(error=100.0 * misfit)
     fit = SimpleNamespace(name="+".join(effects), model=model, found=found)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
+
+
+def waves(misfit: float, *effects: str) -> Candidate:
+    return replace(candidate(misfit, *effects), has_series=True)
+
+
+def test_a_whole_series_leads_beside_others_not_in_their_place():
+    load, best, near = waves(2.0, "load_force"), candidate(20.0, "coil_lag"), candidate(30.0, "area_variation")
+    far = candidate(50.0, "air_leak")
+    assert leaders_of([load, best, near, far]) == [load, best, near]
+    assert leaders_of([best, near, load]) == [best, near]
+    assert leaders_of([load]) == [load]
+
+
+def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(monkeypatch):
+    monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(selection, "shortlist", lambda fit, single, certain, count: ["coil_lag"])
+    load, lag = waves(2.0, "load_force"), candidate(9.0, "coil_lag")
+    tried = [candidate(20.0), load, lag]
+    single = {each.effects[0]: {"size": each.score.misfit} for each in (load, lag)}
+    (work,) = extensions([load], tried, single, 6)
+    assert work.effects == ("coil_lag", "load_force")
+    assert work.fit is lag.fit
+    assert work.known == {"size": 2.0}
+    assert work.is_known
+    (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6)
+    assert plain.effects == ("air_leak", "coil_lag")
+    assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6) == []
+
+
+@pytest.mark.parametrize(("misfit", "expected"), [(0.99 * AT_NOISE, True), (1.01 * AT_NOISE, False)])
+def test_a_whole_series_explains_a_record_at_its_noise_alone(misfit, expected):
+    base = candidate(90.0)
+    assert explains(candidate(misfit, "load_force"), base)
+    assert explains(waves(misfit, "load_force"), base) == expected
 
 
 def test_effects_of_the_best_pair_are_exchanged_for_their_aliases():

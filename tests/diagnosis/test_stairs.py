@@ -115,6 +115,27 @@ def test_what_is_missed_in_one_block_counts():
     assert before == pytest.approx((45.0 + 60.0) / 6.0 - 1.0 - 8.0 / 6.0)
 
 
+def test_a_load_that_varies_at_will_is_spared_the_block_where_it_misses_most():
+    base, mine = score_of(*[9.0] * 6), score_of(1.0, 1.0, 55.0, 1.0, 1.0, 3.0)
+    assert errors_beyond_noise(mine, base)[0] == pytest.approx(62.0 / 6.0 - 1.0)
+    assert errors_beyond_noise(mine, base, spares=True)[0] == pytest.approx(7.0 / 5.0 - 1.0)
+    few = score_of(9.0, 9.0, 1.0)
+    assert errors_beyond_noise(few, few, spares=True) == errors_beyond_noise(few, few)
+
+
+@pytest.mark.parametrize(("left", "loses"), [(1.0, False), (1.5, True)])
+def test_a_whole_series_has_no_other_form_to_excuse_it(quiet, refitted, left, loses):
+    base, _ = refitted(quiet)
+    tried = [
+        Candidate((), base.fit, score_of(*[400.0] * 6)),
+        Candidate(("gap_drift",), base.fit, score_of(*[left] * 6), trace=9.0),
+        Candidate(("load_force",), base.fit, score_of(*[left] * 6), trace=9.0, has_series=True),
+    ]
+    evidence = judge(tried).evidence
+    assert (evidence[2] < evidence[1] - 1.0) == loses
+    assert evidence[2] <= evidence[1]
+
+
 @pytest.mark.parametrize(("chosen", "rivals"), [(1, [("stribeck",)]), (2, [])])
 def test_an_alias_whose_search_comes_to_no_end_stays_a_rival(quiet, refitted, chosen, rivals):
     base, _ = refitted(quiet)
