@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from valvemodel.display import Card, Table, warning_lines
+from valvemodel.effects import HIGHER
 from valvemodel.quantities import format_quantity
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ def parameter_table(outcome: Outcome) -> Table:
     means += ["95 % (bootstrap)"] if account.bootstrap is not None else []
     rows = []
     for each in outcome.parameters:
+        if each.name in HIGHER:
+            continue
         cells = [
             each.name,
             format_quantity(each.value, each.unit, digits=5),
@@ -53,6 +56,9 @@ def parameter_table(outcome: Outcome) -> Table:
             cells.append(_interval((low, high), each.unit))
         reason = outcome.open.get(each.name)
         rows.append((*cells, "yes" if reason is None else f"no: {reason}"))
+    series = [each.name for each in outcome.parameters if each.name in HIGHER]
+    if series:
+        rows.append((f"{series[0]} .. {series[-1]}", f"{len(series)} sizes", *[""] * (len(means) + 1), "see fit.json"))
     return Table("Parameters", ("parameter", "value", "std", *means, "determined"), tuple(rows))
 
 
@@ -109,7 +115,8 @@ def determined_lines(account: Account) -> tuple[str, ...]:
         measure = account.structure.measured_by.get(name)
         if measure:
             by_measure.setdefault(measure, []).append(name)
-    shown = [each for each in account.directions if not each.is_determined] or list(account.directions[:1])
+    directions = [each for each in account.directions if HIGHER.isdisjoint(each.names)]
+    shown = [each for each in directions if not each.is_determined] or directions[:1]
     return (
         *(f"in proportion to {measure} as given: {', '.join(names)}" for measure, names in by_measure.items()),
         *(f"least seen: {direction.words}" for direction in shown),

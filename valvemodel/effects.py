@@ -8,6 +8,9 @@ from valvemodel.stages import EFFECTS
 
 _BY_KEY = {effect.key: effect for effect in EFFECTS}
 
+HIGHER = frozenset(each.name for effect in EFFECTS for each in effect.parameters if each.is_higher)
+"""Parameters that are a further one of a series of like numbers."""
+
 
 def effect_of_key(key: str) -> Effect:
     """Return the effect of a key.

@@ -31,6 +31,7 @@ from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_t
 from diagnosis.report.place import StageWords, regimes_of, stages_of, where_of
 from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of
 from diagnosis.report.where import half_of_chain
+from valvemodel.effects import HIGHER
 
 _SHOWN_CAUSES = 8
 
@@ -184,10 +185,9 @@ def _unknown_words(probability: float) -> CauseWords:
 
 def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWords:
     effect = DECLARED.get(key)
-    meanings = {parameter.name: parameter.meaning for parameter in effect.parameters} if effect else {}
-    series = {parameter.name for parameter in effect.parameters if parameter.is_higher} if effect else set()
-    named = [name for name in meanings if name in found and name not in series]
-    order = named + [name for name in found if name not in meanings]
+    meanings = {parameter.name: parameter.meaning for parameter in effect.shown} if effect else {}
+    unknown = [name for name in found if name not in meanings and name not in HIGHER]
+    order = [name for name in meanings if name in found] + unknown
     return EffectWords(
         key=key,
         title=effect_title(key),

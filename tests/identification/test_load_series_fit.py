@@ -6,12 +6,18 @@ from blind_fits import fits_to_plant
 
 from diagnosis.blindtest.chain.clock import clock_of
 from diagnosis.blindtest.chain.stem import load_force
+from diagnosis.blindtest.plants import draw_plant, measure, write_record
 from diagnosis.trying import SERIES, freedom_of
+from identification.display import determined_lines, parameter_table
 from identification.extension import extend
 from identification.load_series import block_numbers, ridge, series_over
+from identification.outcome import fit_records
 from identification.screening import screened
 from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
+from valvemodel.records import read_record
 from valvemodel.stages.load import MOST_WAVES, load
+from valvemodel.valves import read_valve
 
 LOAD = effect_of_key("load_force")
 SEEDS = [9224, 9226]
@@ -79,3 +85,15 @@ def test_a_ridge_foretells_blocks_that_it_has_not_seen():
     unseen = generator.normal(size=(1000, 60))
     missed = [np.mean((unseen @ (each - truth)) ** 2) for each in (weights, plain)]
     assert missed[0] < missed[1]
+
+
+def test_a_table_of_a_fit_folds_the_series(tmp_path):
+    path = tmp_path / "record.csv"
+    write_record(path, measure(draw_plant(9226, ("load_force",), nuisance=False), 9233))
+    valve = read_valve("calibrated")
+    found = fit_records([read_record(path)], Model(valve.name, valve.values), effects=["load_force"])
+    rows = [row[0] for row in parameter_table(found).rows]
+    assert "load_sine" in rows
+    assert [name for name in rows if name.startswith("load_sine_")] == ["load_sine_2 .. load_cosine_20"]
+    assert not any("load_sine_" in line for line in determined_lines(found.determined))
+    assert {each.name: each.std for each in found.parameters}["load_cosine_20"] > 0.0
