@@ -30,7 +30,8 @@ FREE_RANGE = 2.5
 class Unknown:
     """One number that a fit moves: value = centre exp(x) where it is logarithmic, else centre + spread x.
 
-    `experiment` is the number of the experiment whose start position it is, or -1.
+    `experiment` is the number of the experiment whose start position it is, or -1; `is_higher` marks a further one of a
+    series of like numbers.
     """
 
     name: str
@@ -85,17 +86,18 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
 
 
 def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
-    """Return the free parameters of an effect that starts somewhere; infinite ones and an idle series stay neutral."""
+    """Return the free parameters of an effect that starts somewhere; infinite ones and an idle series stay neutral.
+
+    Of a series that starts off neutral only the sizes move. Their spread is their root mean square at the start, so that
+    the weak prior holds them to that.
+    """
     effect = effect_of_key(key)
     series = [start[each.name] for each in effect.fitted if each.is_higher and start[each.name] != each.neutral]
     if not series:
         return [unknown_of(each) for each in effect.fitted if math.isfinite(start[each.name]) and not each.is_higher]
     size = math.sqrt(sum(value * value for value in series) / len(series))
-    return [
-        replace(unknown_of(each), spread=size, is_higher=each.is_higher)
-        for each in effect.fitted
-        if each.scale == "linear" and (start[each.name] != each.neutral)
-    ]
+    sizes = [each for each in effect.fitted if each.scale == "linear" and start[each.name] != each.neutral]
+    return [replace(unknown_of(each), spread=size, is_higher=each.is_higher) for each in sizes]
 
 
 def unknown_of(parameter: Parameter) -> Unknown:

@@ -188,10 +188,19 @@ def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, 
         settle = designed or f"To settle which: {'; for the others '.join(list(ways)[:2])}."
         return f"{settle} Until then use the found model (model.json) with care."
     stages = [f"the {stage}" for stage in own_stages(diagnosis)] or [_stage_in_words(diagnosis)]
-    return (
-        f"Inspect {listed(stages)} for {cause_title(found_cause(diagnosis)['effects'])}, and use the found model "
-        f"(model.json) in place of the base. {designed or 'A second record of the same valve confirms it.'}"
-    )
+    cause = found_cause(diagnosis)
+    look = f"Inspect {listed(stages)} for {cause_title(cause['effects'])}"
+    if _is_of_this_record(cause):
+        later = "The load that was found is that of this record alone: the model (model.json) foretells no other's."
+        return f"{look}. {later} {designed}".rstrip()
+    confirmed = designed or "A second record of the same valve confirms it."
+    return f"{look}, and use the found model (model.json) in place of the base. {confirmed}"
+
+
+def _is_of_this_record(cause: Mapping[str, Any]) -> bool:
+    """Return whether a cause is a load that varies at will, which no other record repeats."""
+    load = (cause.get("parameters") or {}).get("load_force") or {}
+    return bool((load.get("load_waves") or {}).get("value", 1.0) > 1.0)
 
 
 def _look(diagnosis: Mapping[str, Any]) -> str:

@@ -127,3 +127,17 @@ def test_two_effects_lie_in_both_of_their_stages() -> None:
     assert "and the sensor (" in answer.where[0]
     assert "An effect that looks the same here would lie in the electromagnet or the nozzle." in answer.where
     assert [stage.name for stage in answer.stages if stage.is_found] == ["stem", "sensor"]
+
+
+@pytest.mark.parametrize(("waves", "is_of_this_record"), [(1.0, False), (20.0, True)])
+def test_a_load_that_varied_at_will_is_said_to_be_that_of_this_record(waves: float, is_of_this_record: bool) -> None:
+    diagnosis = effect()[0]
+    sizes = {name: {"value": 40.0, "unit": "N", "std": 2.0} for name in ("load_sine", "load_sine_2", "load_cosine_20")}
+    load = {"load_waves": {"value": waves, "unit": "1", "std": None}, **sizes}
+    diagnosis["causes"] = [cause(["load_force"], 0.9, 1.58e-4, 0.99, parameters={"load_force": load})]
+    answer = make_answer(diagnosis)
+    assert ("that of this record alone" in answer.next_step) == is_of_this_record
+    assert ("confirms it" in answer.next_step) != is_of_this_record
+    text = printed(diagnosis)
+    assert "load_sine = 40" in text
+    assert "load_sine_2" not in text
