@@ -124,7 +124,7 @@ def extended(
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
-        groups = [trials] if effect.is_jagged else promising(alike(effect, trials))
+        groups = [trials] if effect.is_jagged else promising(fit, alike(effect, trials))
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]
@@ -176,9 +176,7 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further."""
-    if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
-        return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
-    if group[0].problem.has_series:
+    if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in kept]
@@ -246,7 +244,7 @@ def as_given(fit: Fit, trial: Trial) -> np.ndarray:
 
 def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
-    plain = next(trial for trial in trials if not trial.problem.has_series)
+    plain = next(trial for trial in trials if not adds_series(fit, trial))
     start = plain.problem.model.effects[effect.key]
     neutral = {parameter.name: parameter.neutral for parameter in effect.parameters}
     small = {
@@ -277,10 +275,15 @@ def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
     return list(groups.values())
 
 
-def promising(groups: list[list[Trial]]) -> list[list[Trial]]:
-    """Return groups without those of a whole series that promise little more than the rest."""
-    plain = max(group[0].gain for group in groups if not group[0].problem.has_series)
-    return [group for group in groups if not group[0].problem.has_series or group[0].gain > SERIES_GAIN * plain]
+def promising(fit: Fit, groups: list[list[Trial]]) -> list[list[Trial]]:
+    """Return groups of trials without those of a whole series that promise little more than the rest."""
+    plain = max(group[0].gain for group in groups if not adds_series(fit, group[0]))
+    return [group for group in groups if not adds_series(fit, group[0]) or group[0].gain > SERIES_GAIN * plain]
+
+
+def adds_series(fit: Fit, trial: Trial) -> bool:
+    """Return whether a trial adds a whole series of unknowns to those of a fit."""
+    return trial.problem.has_series and not fit.problem.has_series
 
 
 def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:

@@ -27,7 +27,6 @@ TRIED_FORCE = 0.25
 SIZE, GENERATIONS = 8, 25
 """Points of a global search for each number of an effect, and generations."""
 
-
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
 

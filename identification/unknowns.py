@@ -88,8 +88,8 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
 def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
     """Return the free parameters of an effect that starts somewhere; infinite ones and an idle series stay neutral.
 
-    Of a series that starts off neutral only the sizes move. Their spread is their root mean square at the start, so that
-    the weak prior holds them to that.
+    Of a series that starts off neutral only the sizes move. Their spread is their root mean square at the start: the
+    weak prior holds them to that.
     """
     effect = effect_of_key(key)
     series = [start[each.name] for each in effect.fitted if each.is_higher and start[each.name] != each.neutral]

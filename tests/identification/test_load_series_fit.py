@@ -9,7 +9,7 @@ from diagnosis.blindtest.chain.stem import load_force
 from diagnosis.blindtest.plants import draw_plant, measure, write_record
 from diagnosis.trying import SERIES, freedom_of
 from identification.display import determined_lines, parameter_table
-from identification.extension import extend
+from identification.extension import adds_series, extend
 from identification.load_series import block_numbers, ridge, series_over
 from identification.outcome import fit_records
 from identification.screening import screened
@@ -97,3 +97,14 @@ def test_a_table_of_a_fit_folds_the_series(tmp_path):
     assert [name for name in rows if name.startswith("load_sine_")] == ["load_sine_2 .. load_cosine_20"]
     assert not any("load_sine_" in line for line in determined_lines(found.determined))
     assert {each.name: each.std for each in found.parameters}["load_cosine_20"] > 0.0
+
+
+@pytest.mark.parametrize("key", ["area_variation", "sensor_lag"])
+def test_a_fit_with_a_series_bears_one_more_effect(key, tmp_path):
+    _, base, found = fits_to_plant(9226, "load_force", tmp_path)
+    further = extend(found, key)
+    assert further.found.error <= found.found.error
+    assert further.model.effects["load_force"]["load_waves"] == MOST_WAVES
+    trials = screened(found, effect_of_key(key))
+    assert not any(adds_series(found, trial) for trial in trials)
+    assert any(adds_series(base, trial) for trial in screened(base, LOAD))
