@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -121,15 +121,15 @@ def sharpness_of(base: Score) -> float:
 def errors_beyond_noise(mine: Score, base: Score, *, spares: bool = False) -> tuple[float, float]:
     """Return the squared errors of a cause and of the base beyond the noise. [noise^2]
 
-    What a cause gains over the base in the one block in time where it gains most does not count: what helps in a single
-    one, such as the first after the start, is no effect of the valve. What it still misses there counts, but for a load
-    that varies at will, of which the readings tell nothing while the stem rests: that `spares` the block where it
-    misses most.
+    What a cause gains over the base in the one block in time where it gains most does not count: what helps in a
+    single one, such as the first after the start, is no effect of the valve. What it still misses there counts. Of a
+    load that varies at will the readings tell nothing while the stem rests: that `spares` the block where it misses
+    most, of which the base's error does not count either.
     """
-    left = excess(mine.free.mean, mine.anchored.mean)
     if spares and len(mine.free.weighted) >= FEW_BLOCKS:
         worst = int(np.argmax(mine.free.weighted))
-        left = excess(without_block(mine.free, worst), without_block(mine.anchored, worst))
+        mine, base = without_block(mine, worst), without_block(base, worst)
+    left = excess(mine.free.mean, mine.anchored.mean)
     if len(mine.free.weighted) < FEW_BLOCKS:
         return left, excess(base.free.mean, base.anchored.mean)
     best = int(np.argmax(base.free.weighted - mine.free.weighted))
@@ -145,10 +145,18 @@ def without_gain(mine: Errors, base: Errors, block: int) -> float:
     return base.mean - gain / float(base.counts.sum() * base.signals)
 
 
-def without_block(errors: Errors, block: int) -> float:
-    """Return the mean weighted square of a run over all blocks but one."""
-    counts = errors.counts.sum() - errors.counts[block]
-    return float((errors.weighted.sum() - errors.weighted[block]) / (counts * errors.signals))
+def without_block(score: Score, block: int) -> Score:
+    """Return a score of all blocks but one."""
+    free, anchored = (
+        replace(
+            each,
+            squares=np.delete(each.squares, block),
+            weighted=np.delete(each.weighted, block),
+            counts=np.delete(each.counts, block),
+        )
+        for each in (score.free, score.anchored)
+    )
+    return Score(free, anchored)
 
 
 def excess(free: float, anchored: float) -> float:
