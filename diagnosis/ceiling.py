@@ -13,14 +13,13 @@ from identification.experiment import Experiment, Simulated, shifted
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.regimes import time_since_reversal
+from identification.ridge import ridge
 
 PLACES = 12
 """Places along each input at which the correction's curve bends; more close no more."""
 
 PENALTIES = 10.0 ** np.arange(-5.0, 3.0)
 """Ridge penalties, over the samples of a block."""
-
-FOLDS = 5
 
 FILTERS = (0.05, 0.2, 0.7, 2.0)
 """Time constants of the low-pass filters through which the black box sees the position's past. [s]"""
@@ -130,30 +129,8 @@ def fitted_blocks(holdout: Holdout) -> np.ndarray:
 
 
 def learnt(features: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """Return the ridge regression's weights, the penalty chosen by cross-validation over blocks, shape (features,)."""
-    fold = np.searchsorted(np.unique(block), block) % FOLDS
-    grams, moments = [], []
-    for number in range(FOLDS):
-        part = fold == number
-        grams.append(features[part].T @ features[part])
-        moments.append(features[part].T @ residual[part])
-    gram, moment = sum(grams), sum(moments)
-    scale = len(residual) / len(np.unique(block))
-    errors = [
-        sum(
-            float(np.sum((residual[fold == n] - features[fold == n] @ weights) ** 2))
-            for n in range(FOLDS)
-            for weights in [solved(gram - grams[n], moment - moments[n], penalty * scale)]
-        )
-        for penalty in PENALTIES
-    ]
-    return solved(gram, moment, float(PENALTIES[int(np.argmin(errors))]) * scale)
-
-
-def solved(gram: np.ndarray, moment: np.ndarray, penalty: float) -> np.ndarray:
-    """Return the weights of a ridge regression whose first one, the mean, is free."""
-    from scipy.linalg import solve
-
-    ridge = np.full(len(gram), penalty)
-    ridge[0] = 1e-9 * penalty
-    return solve(gram + np.diag(ridge), moment, assume_a="pos")
+    """Return the ridge regression's weights, whose first one, the mean, is free, shape (features,)."""
+    samples = len(residual) / len(np.unique(block))
+    held = np.ones(features.shape[1])
+    held[0] = 1e-9
+    return ridge(features, residual, block, np.outer(samples * PENALTIES, held))

@@ -1,4 +1,4 @@
-"""A load that varies at will: a Fourier series over the record, held back by what unseen blocks say of it."""
+"""A load that varies at will: a Fourier series over the record."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.problem import Problem
+from identification.ridge import ridge
 from valvemodel.declarations import Effect
 from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES
 
@@ -17,10 +17,7 @@ LENGTH = 1.1
 FASTEST, FEWEST = 0.12, 3
 """Frequency up to which a load is said to vary slowly [Hz], and the waves that a series has at least."""
 
-FOLDS = 5
-"""Parts of the blocks, each of which is foretold from the others."""
-
-PENALTIES = tuple(10.0**power for power in range(-6, 1))
+PENALTIES = 10.0 ** np.arange(-6.0, 1.0)
 """Penalties that are tried, over the mean square of a column."""
 
 
@@ -34,38 +31,16 @@ def series_over(experiments: Sequence[Experiment], effect: Effect) -> tuple[dict
     return lull | {"load_period": period, "load_waves": float(count)}, names
 
 
-def ridge(columns: np.ndarray, wanted: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """Return the weights of a ridge regression, its penalty the one by which unseen blocks come out best.
+def sizes_of(changes: np.ndarray, wanted: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Return the shares of waves that make up what is wanted, as large as unseen blocks bear out, shape (m,).
 
     Parameters
     ----------
-    columns : array, shape (r, m)
+    changes : array, shape (r, m)
+        Of the residuals, by each wave.
     wanted : array, shape (r,)
     block : array of int, shape (r,)
-        Number of the block that each row belongs to.
     """
-    fold = np.unique(block, return_inverse=True)[1] % FOLDS
-    parts = [(columns[fold == each], wanted[fold == each]) for each in range(FOLDS)]
-    grams = np.array([part.T @ part for part, _ in parts])
-    moments = np.array([part.T @ its for part, its in parts])
-    gram, moment = grams.sum(axis=0), moments.sum(axis=0)
-    unit = np.trace(gram) / len(gram) * np.eye(len(gram))
-
-    def missed(penalty: float) -> float:
-        weights = [
-            np.linalg.solve(gram - own + penalty * unit, moment - its) for own, its in zip(grams, moments, strict=True)
-        ]
-        return sum(
-            float(each @ own @ each - 2.0 * each @ its) for each, own, its in zip(weights, grams, moments, strict=True)
-        )
-
-    return np.asarray(np.linalg.solve(gram + min(PENALTIES, key=missed) * unit, moment))
-
-
-def block_numbers(problem: Problem) -> np.ndarray:
-    """Return the number of the block in time of each residual, shape (r,); the priors are a block of their own."""
-    numbers, first = [], 0
-    for experiment, used in zip(problem.experiments, problem.used, strict=True):
-        numbers += [first + experiment.block[used]] * (1 if experiment.pressure is None else 2)
-        first += int(experiment.block.max()) + 1
-    return np.concatenate([*numbers, np.full(len(problem.unknowns), first)])
+    count = changes.shape[1]
+    mean_square = float(np.sum(changes**2)) / count
+    return ridge(changes, wanted, block, np.outer(mean_square * PENALTIES, np.ones(count)))

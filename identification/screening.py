@@ -9,9 +9,10 @@ import numpy as np
 
 from identification.fit import Fit
 from identification.hints import is_periodic, nearby, starts_of
-from identification.load_series import block_numbers, ridge, series_over
+from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
 from identification.search import errors, roam_over
+from identification.uncertainty import blocks_of
 from identification.unknowns import effect_unknowns
 from valvemodel.declarations import Effect
 
@@ -71,12 +72,9 @@ def waves(
     longest = max(float(each.time[-1] - each.time[0]) for each in fit.problem.experiments)
     found = []
     for each in nearby([start[period] for start in starts], longest):
-        changes = []
-        for name in sizes:
-            tried = starts[0] | {other: 0.0 for other in sizes} | {name: TRIED_FORCE * starts[0][name], period: each}
-            problem, point = joined(fit.problem, fit.found.point, effect, tried)
-            changes.append(change_of(problem.residuals(point[None, :])[0], left, basis))
-        columns = np.array(changes).T
+        lull = starts[0] | {other: 0.0 for other in sizes} | {period: each}
+        tried = [lull | {name: TRIED_FORCE * starts[0][name]} for name in sizes]
+        columns = changes_by(fit, effect, tried, left, basis)
         shares, *_ = np.linalg.lstsq(columns, -left, rcond=None)
         remaining = left + columns @ shares
         values = [float(TRIED_FORCE * starts[0][name] * share) for name, share in zip(sizes, shares, strict=True)]
@@ -90,11 +88,8 @@ def waves_together(
     """Return the start of a load that varies at will: all waves of a series over the record, solved for together."""
     lull, names = series_over(fit.problem.experiments, effect)
     size = TRIED_FORCE * start[names[0]]
-    changes = []
-    for name in names:
-        problem, point = joined(fit.problem, fit.found.point, effect, lull | {name: size})
-        changes.append(change_of(problem.residuals(point[None, :])[0], left, basis))
-    shares = ridge(np.array(changes).T, -left, block_numbers(fit.problem))
+    changes = changes_by(fit, effect, [lull | {name: size} for name in names], left, basis)
+    shares = sizes_of(changes, -left, blocks_of(fit))
     return lull | {name: float(size * share) for name, share in zip(names, shares, strict=True)}
 
 
@@ -163,6 +158,14 @@ def change_of(residual: np.ndarray, left: np.ndarray, basis: np.ndarray) -> np.n
     """Return how an effect changes the residuals of a fit, beside whatever the fit's own unknowns can do."""
     change = residual[: len(left)] - left
     return np.asarray(change - basis @ (basis.T @ change))
+
+
+def changes_by(
+    fit: Fit, effect: Effect, starts: Sequence[dict[str, float]], left: np.ndarray, basis: np.ndarray
+) -> np.ndarray:
+    """Return how an effect at each of some starts changes the residuals of a fit, shape (r, starts)."""
+    begun = [joined(fit.problem, fit.found.point, effect, start) for start in starts]
+    return np.array([change_of(each.residuals(point[None, :])[0], left, basis) for each, point in begun]).T
 
 
 def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:

@@ -10,9 +10,10 @@ from diagnosis.blindtest.plants import draw_plant, measure, write_record
 from diagnosis.trying import SERIES, freedom_of
 from identification.display import determined_lines, parameter_table
 from identification.extension import adds_series, extend
-from identification.load_series import block_numbers, ridge, series_over
+from identification.load_series import series_over, sizes_of
 from identification.outcome import fit_records
 from identification.screening import screened
+from identification.uncertainty import blocks_of
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import read_record
@@ -69,7 +70,7 @@ def test_a_series_lasts_longer_than_the_record(tmp_path):
     assert lull["load_period"] > base.problem.experiments[0].time[-1]
     assert len(names) == 2 * lull["load_waves"] == len(set(names))
     assert all(lull[name] == 0.0 for name in names)
-    block = block_numbers(base.problem)
+    block = blocks_of(base)
     assert len(block) == len(base.problem.residuals(base.found.point[None, :])[0])
 
 
@@ -80,7 +81,7 @@ def test_a_ridge_foretells_blocks_that_it_has_not_seen():
     truth = np.zeros(60)
     truth[:5] = generator.normal(size=5)
     wanted = columns @ truth + generator.normal(size=200)
-    weights = ridge(columns, wanted, block)
+    weights = sizes_of(columns, wanted, block)
     plain = np.linalg.lstsq(columns, wanted, rcond=None)[0]
     unseen = generator.normal(size=(1000, 60))
     missed = [np.mean((unseen @ (each - truth)) ** 2) for each in (weights, plain)]
