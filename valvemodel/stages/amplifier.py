@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.chamber import KEPT, SWEEPS
 from valvemodel.stages.lag import follow_nodes, remember_lag
-from valvemodel.stages.nodes import first_fall
+from valvemodel.stages.nodes import first_fall, fit_powers, left_out
 
 ROUNDING = 1e-12
 """Share of the supply below which two pressures are equal."""
@@ -28,10 +28,12 @@ def quickness(p, pressure, aim):
 
 
 @compiled
-def lay_amplifier(p, state, memory, spacing, count, slack):
+def lay_amplifier(p, state, memory, spacing, count, slack, kept):
     """Follow the pressures at the nodes at the capacity of the direction; return where that ends, in spacings.
 
-    Three ways of following: at the limited rate, at its own, or at once where there is no time constant.
+    Three ways of following: at the limited rate, at its own, or at once where there is no time constant. An error at
+    the end of a part, however short, is kept, for where the capacities are unequal it may die out slowly: the part is
+    halved where the pressures are not known well enough between the nodes.
     """
     pressures, aims, start = memory.pressures, memory.values, state.filled_pressure
     rounding = ROUNDING * p.supply_pressure
@@ -66,6 +68,9 @@ def lay_amplifier(p, state, memory, spacing, count, slack):
             memory.forces[node] = aims[node] / time_constant
         follow_nodes(memory.lags[2], start, memory.forces, memory.powers, pressures)
     elif not follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
+        return 0.5 * count
+    fit_powers(count, aims, memory.powers)
+    if left_out(count, memory.powers) * (1.0 - memory.lags[2].decay[count]) > kept:
         return 0.5 * count
     for node in range(count + 1):
         memory.forces[node] = side * (aims[node] - pressures[node]) + rounding

@@ -63,6 +63,12 @@ def resistance_within(p, duration):
 
 
 @inlined
+def allowed_force(p, state, tolerance, duration):
+    """Return by how much the force on the stem may be off for a duration. [N]"""
+    return PRESSURE_SHARE * state.plan_share * tolerance * resistance_within(p, duration)
+
+
+@inlined
 def near_pressure(p, state, tolerance):
     """Return by how much a pressure may be off without being seen at the stem. [Pa]"""
     return REST_SHARE * state.plan_share * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
@@ -77,13 +83,14 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
     while True:
-        end = lay_nodes(p, state, memory, drive, time, length / count, count, slack)
+        kept = allowed_force(p, state, tolerance, max(length, p.fill_time + p.vent_time)) / p.diaphragm_area
+        end = lay_nodes(p, state, memory, drive, time, length / count, count, slack, kept)
         if end < count and length > SHORTEST_PART:
             length = max(length * end / count, SHORTEST_PART)
             continue
         fit_powers(count, memory.pressures, memory.part_powers)
         off = left_out(count, memory.part_powers) * p.diaphragm_area
-        allowed = PRESSURE_SHARE * state.plan_share * tolerance * resistance_within(p, length)
+        allowed = allowed_force(p, state, tolerance, length)
         if off <= allowed or length <= SHORTEST_PART:
             break
         # What is left out shrinks with a high power of the length.
@@ -99,8 +106,11 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
 
 
 @compiled
-def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
-    """Lay the pressure at the nodes, stage by stage; return where a stage changes its law, in spacings."""
+def lay_nodes(p, state, memory, drive, time, spacing, count, slack, kept):
+    """Lay the pressure at the nodes, stage by stage; return where a stage changes its law, in spacings.
+
+    The pressures that the amplifier follows may be off their polynomial by what may be kept from then on. [Pa]
+    """
     end = lay_currents(p, state, memory, drive, spacing, count)
     is_still = p.coil_time_constant == 0.0 and p.gap_drift_rate == 0.0
     resting = 0.0
@@ -120,7 +130,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack):
         lay_chamber(p, state, memory, spacing, count, slack)
     memory.end_chamber = memory.pressures[count]
     if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
-        end = min(end, lay_amplifier(p, state, memory, spacing, count, slack))
+        end = min(end, lay_amplifier(p, state, memory, spacing, count, slack, kept))
     memory.end_filled = memory.pressures[count]
     if has_leak(p):
         for node in range(count + 1):
