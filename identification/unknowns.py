@@ -22,6 +22,10 @@ GAP = ("gap_offset", "gap_gain")
 OF_GAP = (*GAP, "supply_pressure")
 """Base parameters that a valve with an affine map of current to pressure does without."""
 
+EDGE = 1e-4
+"""Distance from a bound, scaled, within which a number is the bound: a search that keeps inside stands just beside it,
+and the moments of a lag of a microsecond are dear to follow."""
+
 FREE_RANGE = 2.5
 """A base parameter is looked for within this many powers of e about where a search begins."""
 
@@ -46,10 +50,12 @@ class Unknown:
     is_higher: bool = False
 
     def value(self, x: np.ndarray | float) -> np.ndarray:
-        """Return the value at a scaled number."""
+        """Return the value at a scaled number, beside a bound the bound itself."""
         if self.is_logarithmic:
             return self.centre * np.exp(x)
-        return self.centre + self.spread * np.asarray(x)
+        value, edge = self.centre + self.spread * np.asarray(x), EDGE * self.spread
+        value = np.where(np.abs(value - self.low) < edge, self.low, value)
+        return np.where(np.abs(value - self.high) < edge, self.high, value)
 
     def scaled(self, value: float) -> float:
         """Return the scaled number of a value, within the bounds."""

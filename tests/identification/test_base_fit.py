@@ -12,6 +12,8 @@ from identification.fit import Fit, fit_base
 from identification.hints import coarsest_grid, strongest_periods
 from identification.noise import noise_level, reading_grid
 from identification.uncertainty import covariance, estimates
+from identification.unknowns import EDGE, unknown_of
+from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.valves import read_valve
@@ -114,3 +116,13 @@ def test_an_extension_recovers_its_parameter() -> None:
     fit = extend(base, "asymmetric_viscous_friction")
     assert fit.found.error < 0.9 * base.found.error
     assert abs(fit.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"]) > 0.02
+
+
+def test_a_number_just_beside_its_bound_is_the_bound() -> None:
+    """A search that keeps inside its bounds stands beside one; a lag of a microsecond would be dear to follow."""
+    unknown = unknown_of(effect_of_key("coil_lag").parameter("coil_time_constant"))
+    low, high = unknown.bounds
+    values = unknown.value(np.array([low, low + 0.5 * EDGE, low + 2.0 * EDGE, high - 0.5 * EDGE]))
+    assert values[:2].tolist() == [unknown.low, unknown.low]
+    assert values[2] == pytest.approx(unknown.low + 2.0 * EDGE * unknown.spread)
+    assert values[3] == unknown.high
