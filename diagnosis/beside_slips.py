@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 
 from diagnosis.explaining import explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import OFF_THE_LINE, BentLine, bent_line, straight_line
+from identification.extension import slips_by
 from identification.holdout import Holdout
+from identification.stick_slip import SlipSearch, error_at_rests
 from valvemodel.effects import effect_of_key
 
-MAKERS = 2
-"""Laws of stick-slip that are tried beside the effect that bends the line best."""
+MAKERS, BENDS = 2, 4
+"""Laws of stick-slip, the best alone, and effects that bend the line, the best ones, whose slips are looked at."""
 
 BESIDE = 3
 """Effects on top of which the law is tried where no line tells which."""
@@ -25,8 +28,8 @@ what only looks like breakaways lies on no line either."""
 WHAT = "two effects together"
 """What is said meanwhile."""
 
-OTHERS = 2
-"""Further effects that bend the line as well, which are tried beside the better law."""
+CLOSE_AT_SLIPS, MOST = 1.5, 3
+"""Error at the slips, over the best one's, up to which an effect and a law are searched for whole, and how many."""
 
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
@@ -65,13 +68,29 @@ def beside_slips(
     bent = bent_lines(alone, pool, progress)
     if not bent:
         return try_all(beside_the_best(alone, makers[0]), holdout, pool, progress, WHAT)
-    work = [Work(bent[0].fit, (bent[0].effect.key, *each.effects), is_global=True) for each in makers[:MAKERS]]
-    found = try_all(work, holdout, pool, progress, WHAT)
-    best = min(found, key=misfit)
-    if explains(best, base):
-        return found
-    work = [Work(each.fit, (each.effect.key, best.effects[1]), is_global=True) for each in bent[1 : 1 + OTHERS]]
-    return found + try_all(work, holdout, pool, progress, WHAT)
+    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in bent[:BENDS] for law in makers[:MAKERS]]
+    progress("what sets how far the slips go", 0.0)
+    looked = list(zip(work, (pool.map if pool else map)(slips_of, work), strict=True))
+    if not any(slips for _, slips in looked):
+        return try_all(work[:MAKERS], holdout, pool, progress, WHAT)
+    alone_at_slips = min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
+    return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
+
+
+def nearest_at_slips(looked: Sequence[tuple[Work, list[SlipSearch]]], alone: float) -> list[Work]:
+    """Return the work whose law comes nearest at the slips, each judged by itself, the best first.
+
+    Several effects bend the line as well as each other, and the law that is better alone may be the wrong one: a quick
+    look at the slips tells. What comes no nearer there than a law `alone` is not searched for whole.
+    """
+    begun = [(slips[0].found.error, each, slips) for each, slips in looked if slips and slips[0].found.error < alone]
+    begun.sort(key=lambda one: one[0])
+    return [replace(each, slips=slips) for error, each, slips in begun if error <= CLOSE_AT_SLIPS * begun[0][0]][:MOST]
+
+
+def slips_of(work: Work) -> list[SlipSearch]:
+    """Return what the last effect of a cause makes of the slips beside the others."""
+    return slips_by(work.fit, effect_of_key(work.effects[-1]))
 
 
 def bent_lines(alone: Sequence[Candidate], pool: Executor | None, progress: Progress) -> list[BentLine]:
@@ -96,5 +115,5 @@ def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:
     order = sorted(alone[1:], key=misfit)
     if order[0] is not maker or effect_of_key(maker.effects[0]).is_chaotic:
         return []
-    quick = [each for each in order if not effect_of_key(each.effects[0]).is_jagged]
+    quick = [each for each in order if not effect_of_key(each.effects[0]).is_jagged and not each.has_series]
     return [Work(each.fit, (*each.effects, *maker.effects), is_global=True) for each in quick[:BESIDE]]

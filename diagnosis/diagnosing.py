@@ -20,7 +20,7 @@ from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import library_for, select
+from diagnosis.selection import library_for, select, try_first, try_together
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import open_stages, stage_probabilities
 from diagnosis.stairs import on_stairs, stairs_beside
@@ -258,8 +258,12 @@ def diagnose(
     experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
     with workers(jobs) as pool:
-        tried = select(first, holdout, library, pool, progress)
-        if seen := stairs_beside(tried, experiments, model):
+        tried = try_first(first, holdout, library, pool, progress)
+        seen = stairs_beside(tried, experiments, model)
+        if not seen:
+            tried = try_together(tried, holdout, pool, progress)
+            seen = stairs_beside(tried, experiments, model)
+        if seen:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
             tried = select(first, holdout, library, pool, progress)

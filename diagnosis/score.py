@@ -56,10 +56,19 @@ class Errors:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """Errors of one model on unseen samples by two yardsticks: the free run, and the run re-anchored every so often."""
+    """Errors of one model on unseen samples: of the free run, and of the run re-anchored every so often.
+
+    Where the stem goes in stairs, also of the run that is put anew on each rest: each slip by itself.
+    """
 
     free: Errors
     anchored: Errors
+    at_rests: Errors | None = None
+
+    @property
+    def judged(self) -> tuple[Errors, Errors]:
+        """The two runs by which a cause is judged: a free one loses the phase of stairs though the cause is right."""
+        return (self.free, self.anchored) if self.at_rests is None else (self.anchored, self.at_rests)
 
     @property
     def misfit(self) -> float:
@@ -69,11 +78,15 @@ class Score:
 
 def score_fit(fit: Fit, holdout: Holdout) -> Score:
     """Score a fit on the samples that were kept back."""
-    free, anchored = (
-        errors_of(holdout, [fit.simulated_on(each, is_anchored=is_anchored) for each in holdout.scored_experiments])
-        for is_anchored in (False, True)
+    runs = [(holdout.scored_experiments, False), (holdout.scored_experiments, True)]
+    if any(each.has_stairs for each in holdout.scored_experiments):
+        runs.append((holdout.scored_on_rests, True))
+    return Score(
+        *(
+            errors_of(holdout, [fit.simulated_on(each, is_anchored=is_anchored) for each in experiments])
+            for experiments, is_anchored in runs
+        )
     )
-    return Score(free, anchored)
 
 
 def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:

@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
-from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
+from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.screening import screened
 from valvemodel.declarations import Effect
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
@@ -48,6 +48,10 @@ BEST_ALONE = 4
 REVERSED = 4
 """Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
 
+SETTLED_SHARE = 0.025
+"""Share of the base's error, in root mean square, that a cause may leave beside the noise for only those that are alike
+to be looked for."""
+
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
 
@@ -67,7 +71,16 @@ def select(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
     """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
-    return try_together(try_alone(base, holdout, library, pool, progress), holdout, pool, progress)
+    return try_together(try_first(base, holdout, library, pool, progress), holdout, pool, progress)
+
+
+def try_first(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways."""
+    alone = try_alone(base, holdout, library, pool, progress)
+    alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
+    return [*alone, *beside_slips(alone, holdout, pool, progress)]
 
 
 def try_alone(
@@ -92,7 +105,7 @@ def try_alone(
 
 
 def try_together(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+    first: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
     """Try further effects on top of the best, as long as unseen data gain from it.
 
@@ -101,13 +114,14 @@ def try_together(
 
     Parameters
     ----------
-    alone : sequence of Candidate
-        The base, then the effects one by one.
+    first : sequence of Candidate
+        The base, then the effects one by one, and the pairs that were tried already.
     """
-    base = alone[0]
-    alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
-    tried = [*alone, *beside_slips(alone, holdout, pool, progress)]
-    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone[1:]}
+    base, tried = first[0], list(first)
+    settles = partial(is_settled, base=base)
+    single = {
+        key: dict(each.fit.model.effects[key]) for each in tried if len(each.effects) == 1 for key in each.effects
+    }
     for size in range(2, MOST_EFFECTS + 1):
         if explains(min(tried, key=misfit), base, generous=size > 2):
             break
@@ -116,13 +130,18 @@ def try_together(
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
-        tried += try_all(extensions(leaders, tried, single, SHORTLIST), holdout, pool, progress, what)
-        if not best_of(tried, size):
+        for leader in leaders:
+            work = extensions([leader], tried, single, SHORTLIST, pool)
+            tried += try_all(work, holdout, pool, progress, what, settles)
+            if any(map(settles, tried)):
+                break
+        if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
             break
-        rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
-        rest = [each for each in rest if all(each is not leader for leader in leaders)]
-        tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK), holdout, pool, progress, what)
-        tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
+        if not settles(best_of(tried, size)[0]):
+            rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
+            rest = [each for each in rest if all(each is not leader for leader in leaders)]
+            tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK, pool), holdout, pool, progress, what)
+            tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         if size == 2:
             done: set[frozenset[str]] = set()
             for _ in range(ALIAS_ROUNDS):
@@ -134,6 +153,15 @@ def try_together(
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def is_settled(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause is as near the noise as the right one in another form can be expected to come.
+
+    Only what is alike can come as near. A whole series of waves may come there in the place of something else.
+    """
+    within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
+    return misfit(candidate) <= within and not candidate.has_series
 
 
 def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
@@ -182,7 +210,11 @@ def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
 
 
 def extensions(
-    leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]], count: int
+    leaders: Sequence[Candidate],
+    tried: Sequence[Candidate],
+    single: dict[str, dict[str, float]],
+    count: int,
+    pool: Executor | None,
 ) -> list[Work]:
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice.
 
@@ -205,7 +237,7 @@ def extensions(
         best = alone[:BEST_ON_SERIES] if leader.has_series else alone
         certain = list(dict.fromkeys([*stopping, *(key for key in (*best, *plain) if key not in leader.effects)]))
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
-        for key in shortlist(leader.fit, single, certain, min(count, most)):
+        for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
             if frozenset(effects) in known:
                 continue
@@ -255,7 +287,8 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     """
     known = {frozenset(each.effects): misfit(each) for each in tried}
     work: dict[frozenset[str], Work] = {}
-    for best in (each for each in best_of(tried, 2)[:LEADERS] if misfit(each) > AT_NOISE):
+    pairs = best_of(tried, 2)
+    for best in pairs[: 1 if is_settled(pairs[0], tried[0]) else LEADERS]:
         for kept, left in (best.effects, best.effects[::-1]):
             values = dict(best.fit.model.effects[kept])
             for other in best_of(tried, 1):
@@ -321,14 +354,15 @@ def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Eff
     return [effect for effect in named if not (is_loop and effect.acts_in_time)]
 
 
-def shortlist(fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int) -> list[str]:
+def shortlist(
+    fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int, pool: Executor | None
+) -> list[str]:
     """Return the effects that promise most on what a fit leaves over, after those that are called for in any case.
 
     One whose runs take long beside another must be called for.
     """
     keys = [key for key in single if key not in fit.model.effects and not effect_of_key(key).takes_long]
-    gains = {
-        key: max((trial.gain for trial in screened(fit, effect_of_key(key), single[key])), default=0.0) for key in keys
-    }
+    keys = [key for key in keys if key not in certain]
+    gains = promises(fit, {key: single[key] for key in keys}, pool)
     order = sorted(keys, key=lambda key: -gains[key])
-    return list(dict.fromkeys([*certain, *order]))[: count + len(certain)]
+    return [*dict.fromkeys(certain), *order[:count]]

@@ -17,7 +17,9 @@ from diagnosis.score import Score, score_fit
 from identification.extension import extend, extend_from
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.screening import screened
 from identification.sharpening import sharpened
+from identification.stick_slip import SlipSearch
 from valvemodel.effects import effect_of_key
 
 SERIES = 2
@@ -73,6 +75,8 @@ class Work:
         The fit extended by a kindred effect.
     worth : float
         Error above which its fit is not followed to its end.
+    slips : list of SlipSearch or None
+        What is known of the slips of stairs with it.
     """
 
     fit: Fit
@@ -82,6 +86,7 @@ class Work:
     kin: Fit | None = None
     is_known: bool = False
     worth: float = math.inf
+    slips: list[SlipSearch] | None = None
 
 
 @contextmanager
@@ -109,7 +114,8 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         if work.is_known and work.known is not None:
             extended = extend_from(work.fit, key, work.known)
         else:
-            extended = extend(work.fit, key, work.known, kin=work.kin, is_global=work.is_global, worth=work.worth)
+            given = {"kin": work.kin, "is_global": work.is_global, "worth": work.worth, "slips": work.slips}
+            extended = extend(work.fit, key, work.known, **given)
         score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
         return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
 
@@ -140,9 +146,14 @@ def trace_of(fit: Fit, holdout: Holdout) -> float:
 
 
 def try_all(
-    work: Sequence[Work], holdout: Holdout, pool: Executor | None, progress: Progress, what: str
+    work: Sequence[Work],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    what: str,
+    until: Callable[[Candidate], bool] = lambda candidate: False,
 ) -> list[Candidate]:
-    """Try a list of extensions, on all cores where there is a pool."""
+    """Try a list of extensions in turn, on all cores where there is a pool, up to one that is all that is wanted."""
     done: list[Candidate] = []
     jobs: list[Future[Candidate]] = []
     if pool is not None:
@@ -150,7 +161,37 @@ def try_all(
     for number, each in enumerate(work):
         progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
         done.append(jobs[number].result() if jobs else try_effect(each, holdout))
+        if until(done[-1]):
+            break
+    for job in jobs[len(done) :]:
+        job.cancel()
     return done
+
+
+def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | None) -> dict[str, float]:
+    """Return what each of some effects promises to explain of what a fit leaves, on all cores where there is a pool.
+
+    Parameters
+    ----------
+    fit : Fit
+    starts : dict of dict
+        Values of each effect as fitted alone, one more start of it. [SI]
+    pool : Executor or None
+    """
+    if not starts:
+        return {}
+    # Taken here, not once in each process.
+    _ = fit.own_slopes
+    gains = (pool.map if pool else map)(partial(promise_of, fit), starts, starts.values())
+    return dict(zip(starts, gains, strict=True))
+
+
+def promise_of(fit: Fit, key: str, known: dict[str, float]) -> float:
+    """Return what the best start of an effect promises on what a fit leaves."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        return screened(fit, effect_of_key(key), known)[0].gain
 
 
 def sharpen_all(

@@ -67,6 +67,7 @@ def extend(
     kin: Fit | None = None,
     is_global: bool = True,
     worth: float = math.inf,
+    slips: list[SlipSearch] | None = None,
 ) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
@@ -85,6 +86,8 @@ def extend(
         Whether an effect whose error has many minima is searched for globally, which takes seconds.
     worth : float
         Error above which a fit is not followed to its end.
+    slips : list of SlipSearch or None
+        What `slips_by` found; None where it was not asked.
 
     Returns
     -------
@@ -93,7 +96,9 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
-    begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+    begun = slips
+    if begun is None:
+        begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
     if not begun:
         return extended(fit, effect, known, kin, is_global=is_global, worth=worth)
     problem, best = search_near(begun)
@@ -146,6 +151,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
 
 
+@threadpool_limits.wrap(limits=1)
 def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearch]:
     """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
 

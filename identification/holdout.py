@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from identification.experiment import Experiment
+from identification.rests import put_on_rests
 from valvemodel.errors import InputError
 
 EVERY = 3
@@ -27,6 +29,11 @@ class Holdout:
     scored_experiments: tuple[Experiment, ...]
     scored: tuple[np.ndarray, ...]
     scored_on: str
+
+    @cached_property
+    def scored_on_rests(self) -> tuple[Experiment, ...]:
+        """The experiments to score on, their runs put anew on each rest."""
+        return tuple(put_on_rests(each, each.reach) for each in self.scored_experiments)
 
     @property
     def noise(self) -> float:

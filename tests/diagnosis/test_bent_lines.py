@@ -146,3 +146,31 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
     alone = [base, named(alone_by * 40.0, "static_friction"), named(20.0, "supply_droop")]
     assert slips.beside_slips(alone, None, None, lambda *what: None) == []
     assert len(looked) == is_looked_for
+
+
+def looked(error: float, *effects: str):
+    """Return a pair whose law comes so near at the slips, or whose slips tell nothing."""
+    slips = [SimpleNamespace(found=SimpleNamespace(error=error))] if error else []
+    return Work("fit", effects, True), slips
+
+
+def test_pairs_are_searched_for_whole_that_come_near_the_best_at_the_slips():
+    pairs = [
+        looked(9000.0, "area_variation", "stribeck"),
+        looked(3200.0, "spring_hardening", "stribeck"),
+        looked(16000.0, "spring_hardening", "static_friction"),
+        looked(4100.0, "linkage_nonlinearity", "stribeck"),
+        looked(0.0, "gap_drift", "stribeck"),
+    ]
+    near = slips.nearest_at_slips(pairs, 20000.0)
+    assert [each.effects[0] for each in near] == ["spring_hardening", "linkage_nonlinearity"]
+    # The quick look is not taken again.
+    assert [each.slips[0].found.error for each in near] == [3200.0, 4100.0]
+    # A law that comes as near alone needs no other effect.
+    assert [each.effects[0] for each in slips.nearest_at_slips(pairs, 4000.0)] == ["spring_hardening"]
+    assert slips.nearest_at_slips(pairs, 3000.0) == []
+
+
+def test_no_whole_series_comes_under_the_law():
+    alone = [named(40.0), named(9.0, "static_friction"), replace(named(20.0, "load_force"), has_series=True)]
+    assert beside_the_best(alone, alone[1]) == []

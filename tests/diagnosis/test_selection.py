@@ -10,8 +10,10 @@ from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.selection import (
     FAR_BEHIND,
     NO_GAIN,
+    SETTLED_SHARE,
     exchanged,
     extensions,
+    is_settled,
     is_worth_its_time,
     leaders_of,
     with_better,
@@ -42,18 +44,18 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
 
 def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(monkeypatch):
     monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
-    monkeypatch.setattr(selection, "shortlist", lambda fit, single, certain, count: ["coil_lag"])
+    monkeypatch.setattr(selection, "shortlist", lambda *_: ["coil_lag"])
     load, lag = waves(2.0, "load_force"), candidate(9.0, "coil_lag")
     tried = [candidate(20.0), load, lag]
     single = {each.effects[0]: {"size": each.score.misfit} for each in (load, lag)}
-    (work,) = extensions([load], tried, single, 6)
+    (work,) = extensions([load], tried, single, 6, None)
     assert work.effects == ("coil_lag", "load_force")
     assert work.fit is lag.fit
     assert work.known == {"size": 2.0}
     assert work.is_known
-    (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6)
+    (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6, None)
     assert plain.effects == ("air_leak", "coil_lag")
-    assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6) == []
+    assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6, None) == []
 
 
 @pytest.mark.parametrize(("misfit", "expected"), [(0.99 * AT_NOISE, True), (1.01 * AT_NOISE, False)])
@@ -61,6 +63,30 @@ def test_a_whole_series_explains_a_record_at_its_noise_alone(misfit, expected):
     base = candidate(90.0)
     assert explains(candidate(misfit, "load_force"), base)
     assert explains(waves(misfit, "load_force"), base) == expected
+
+
+def test_a_cause_is_settled_at_the_noise_or_as_near_as_another_form_of_it_comes():
+    assert is_settled(candidate(AT_NOISE, "coil_lag", "end_stop"), candidate(2.0))
+    assert not is_settled(candidate(1.1, "coil_lag", "end_stop"), candidate(2.0))
+    far = candidate(1001.0)
+    assert is_settled(candidate(AT_NOISE + 999.0 * SETTLED_SHARE**2, "coil_lag", "end_stop"), far)
+    assert not is_settled(candidate(AT_NOISE + 1001.0 * SETTLED_SHARE**2, "coil_lag", "end_stop"), far)
+    # A whole series may come there in the place of something else.
+    assert not is_settled(waves(1.0, "coil_lag", "load_force"), far)
+
+
+def test_beside_a_settled_pair_only_its_own_aliases_are_looked_for():
+    keys = ("sensor_lag", "magnetic_saturation", "choked_flow", "gap_drift", "sensor_drift")
+    alone = [candidate(9.0, key) for key in keys]
+    near = candidate(1.5, "gap_drift", "sensor_lag")
+
+    def causes(misfit: float) -> set[frozenset[str]]:
+        best = candidate(misfit, "magnetic_saturation", "sensor_lag")
+        return {frozenset(each.effects) for each in exchanged([candidate(2.0), *alone, best, near])}
+
+    own = {frozenset(("choked_flow", "sensor_lag"))}
+    assert causes(1.0) == own
+    assert causes(1.2) == own | {frozenset(("sensor_drift", "sensor_lag"))}
 
 
 def test_effects_of_the_best_pair_are_exchanged_for_their_aliases():

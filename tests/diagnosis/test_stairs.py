@@ -191,3 +191,13 @@ def test_an_unknown_cause_is_never_certain(quiet, refitted):
     explained = judge([*tried, Candidate(("end_stop",), base.fit, score_of(*[1.0] * 6), trace=9.0)])
     assert explained.unknown < 0.01
     assert explained.probabilities.sum() == pytest.approx(1.0 - explained.unknown)
+
+
+def test_each_slip_by_itself_judges_in_place_of_the_free_run_where_there_are_stairs():
+    free, mine = score_of(*[900.0] * 6).free, score_of(*[4.0] * 6)
+    on_stairs = Score(free, mine.free, mine.free)
+    base = Score(free, free, score_of(*[100.0] * 6).free)
+    anchored, at_rests = 900.0 - 896.0 / 6.0, 100.0 - 96.0 / 6.0
+    assert errors_beyond_noise(on_stairs, base) == pytest.approx((3.0, math.sqrt(anchored * at_rests) - 1.0))
+    # What has no such run is judged by the others, and so is the base beside it.
+    assert errors_beyond_noise(Score(free, mine.free), base) == pytest.approx((59.0, 30.0 * math.sqrt(anchored) - 1.0))
