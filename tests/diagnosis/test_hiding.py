@@ -7,18 +7,19 @@ import pytest
 
 from diagnosis import hiding, judgement
 from diagnosis.hiding import can_hide, strongest_start, with_hidden
+from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
 from diagnosis.trying import Candidate
 from valvemodel.effects import effect_of_key
 
 
 def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
-    weighted = np.full(12, misfit)
-    errors = SimpleNamespace(mean=misfit, weighted=weighted, counts=np.full(12, 100), signals=1)
+    counts = np.full(12, 100)
+    errors = Errors(misfit * counts, misfit * counts, counts, 1, 1.0)
     experiment = SimpleNamespace(has_stairs=False)
     model = SimpleNamespace(effects=dict.fromkeys(effects))
     fit = SimpleNamespace(model=model, problem=SimpleNamespace(experiments=[experiment]), name="+".join(effects))
-    return Candidate(effects, fit, SimpleNamespace(misfit=misfit, free=errors, anchored=errors), trace)
+    return Candidate(effects, fit, Score(errors, errors), trace)
 
 
 def beside(tried: list[Candidate], misfits: dict[str, float], monkeypatch) -> tuple[list[Candidate], list[str]]:
