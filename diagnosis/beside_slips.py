@@ -72,7 +72,7 @@ def beside_slips(
     progress("what sets how far the slips go", 0.0)
     looked = list(zip(work, (pool.map if pool else map)(slips_of, work), strict=True))
     if not any(slips for _, slips in looked):
-        return try_all(work[:MAKERS], holdout, pool, progress, WHAT)
+        return try_all(beside_the_best(alone, makers[0]) or work[:MAKERS], holdout, pool, progress, WHAT)
     alone_at_slips = min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
 

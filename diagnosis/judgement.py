@@ -42,9 +42,9 @@ Of 22 blind valves of our own that were called unknown, 17 were."""
 COST_STOPS = 10.0
 """Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that."""
 
-FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.05, 0.35
+FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.05, 0.45
 """The same as FORM and UNKNOWN_FORM in a record with stairs: there the phase of slips is lost soon though the cause is
-right, and large errors count by their logarithm. Set on 45 blind plants of our own."""
+right, and large errors count by their logarithm. Set on some fifty blind plants of our own."""
 
 FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
 """The same for a cause that makes the stem stop and jump, in a record without stairs."""
