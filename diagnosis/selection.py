@@ -119,9 +119,8 @@ def try_together(
     """
     base, tried = first[0], list(first)
     settles = partial(is_settled, base=base)
-    single = {
-        key: dict(each.fit.model.effects[key]) for each in tried if len(each.effects) == 1 for key in each.effects
-    }
+    alone = [each for each in tried if len(each.effects) == 1]
+    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone}
     for size in range(2, MOST_EFFECTS + 1):
         if explains(min(tried, key=misfit), base, generous=size > 2):
             break
