@@ -106,7 +106,10 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     support[[not is_felt(each) for each in candidates]] = -np.inf
     best = int(np.argmax(support))
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
-    expected = (UNKNOWN_NOTICE + unknown_form * before[best]) / (NOTICE + (1.0 + form[best]) * before[best])
+    # It is credited with no more than a known cause that leaves nothing to explain.
+    ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
+    gained = min(before[best], *before[ends]) if ends else before[best]
+    expected = (UNKNOWN_NOTICE + unknown_form * gained) / (NOTICE + (1.0 + form[best]) * gained)
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)

@@ -7,6 +7,7 @@ import pytest
 
 from diagnosis import hiding, judgement
 from diagnosis.hiding import can_hide, strongest_start, with_hidden
+from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
 from diagnosis.trying import Candidate
@@ -52,6 +53,15 @@ def test_what_hides_in_the_base_stands_among_the_causes_at_its_strength(monkeypa
 def test_nothing_is_said_to_hide_where_nothing_explains_the_record(monkeypatch):
     tried = [candidate(40.0), candidate(30.0, "presliding"), candidate(39.0, "air_leak")]
     assert beside(tried, {"air_leak": 30.0}, monkeypatch) == (tried, [])
+
+
+def test_an_unknown_cause_is_credited_with_no_more_than_a_known_one_that_leaves_nothing(monkeypatch):
+    """What is gained in a single block counts for no cause, so that it counts for none that is unknown either."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    base, known, short = candidate(1.0), candidate(1.0, "linkage_backlash"), candidate(3.0, "coil_lag")
+    base.score.free.weighted[5] *= 40.0
+    assert judge([base, short]).unknown > 0.5
+    assert judge([base, short, known]).unknown < 0.2
 
 
 @pytest.mark.parametrize(
