@@ -54,8 +54,8 @@ def beside_slips(
     Returns
     -------
     list of Candidate
-        Causes of two effects; empty where nothing speaks for stick-slip, one effect explains the gap, or no line is
-        bent and stick-slip is not the best alone.
+        Causes of two effects; empty where nothing speaks for stick-slip, a coarse reading comes nearer, one effect
+        explains the gap, or no line is bent and stick-slip is not the best alone.
     """
     base = alone[0]
     has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
@@ -64,6 +64,8 @@ def beside_slips(
     if not makers or explains(min(alone, key=misfit), base):
         return []
     if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
+        return []
+    if any(stops_by_reading(each) and misfit(each) < misfit(makers[0]) for each in alone[1:]):
         return []
     bent = bent_lines(alone, pool, progress)
     if not bent:
@@ -75,6 +77,12 @@ def beside_slips(
         return try_all(beside_the_best(alone, makers[0]) or work[:MAKERS], holdout, pool, progress, WHAT)
     alone_at_slips = min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
+
+
+def stops_by_reading(cause: Candidate) -> bool:
+    """Return whether a cause of one effect lets a reading rest again and again while the stem moves on."""
+    effect = effect_of_key(cause.effects[0])
+    return effect.stops_again and not effect.breakaway
 
 
 def nearest_at_slips(looked: Sequence[tuple[Work, list[SlipSearch]]], alone: float) -> list[Work]:

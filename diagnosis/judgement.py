@@ -25,13 +25,13 @@ FORM = 0.005
 SUPPORT_NONE = 2.0
 """Log prior of no effect over one of the effects."""
 
-COST_MORE = 2.4
-"""Log prior that each further effect costs, beside its parameters."""
+COST_MORE = 1.4
+"""Log prior that a second effect costs, beside its parameters; a third costs three times as much."""
 
 COST_PARAMETER = 0.5
 """Log prior that a free parameter costs."""
 
-UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 0.7, 0.033, -1.2
+UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 0.7, 0.033, -0.7
 """What an effect outside the library would leave, as a squared error beyond the noise and as a share of the base's:
 a cause that leaves less is believed before an unknown one; and the log prior of that."""
 
@@ -101,7 +101,10 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     formless = np.array([not each.effects or (each.has_series and not makes_slips(each)) for each in candidates])
     evidence -= sharpness * formless * np.log((1.0 + left / NOTICE) / (1.0 + left / allowed))
     if has_stops:
-        evidence -= COST_STOPS * np.array([not can_stop(each) for each in candidates])
+        # What explains the gap without them shows that they are but the short rests of a friction below notice.
+        evidence -= COST_STOPS * np.array(
+            [not can_stop(each) and not explains(each, candidates[0]) for each in candidates]
+        )
     support = evidence + np.array([log_prior(each) for each in candidates])
     support[[not is_felt(each) for each in candidates]] = -np.inf
     best = int(np.argmax(support))
@@ -182,7 +185,7 @@ def log_prior(candidate: Candidate) -> float:
     size = len(candidate.effects)
     if size == 0:
         return SUPPORT_NONE
-    return -COST_MORE * (size - 1) - COST_PARAMETER * candidate.freedom
+    return -COST_MORE * (size - 1) ** 2 - COST_PARAMETER * candidate.freedom
 
 
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:

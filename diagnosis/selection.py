@@ -131,7 +131,8 @@ def try_together(
         what = f"{size} effects together"
         for leader in leaders:
             work = extensions([leader], tried, single, SHORTLIST, pool)
-            tried += try_all(work, holdout, pool, progress, what, settles)
+            for part in (quick(work), thorough(work)):
+                tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, settles)
             if any(map(settles, tried)):
                 break
         if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
@@ -139,7 +140,8 @@ def try_together(
         if not settles(best_of(tried, size)[0]):
             rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
             rest = [each for each in rest if all(each is not leader for leader in leaders)]
-            tried += try_all(extensions(rest, tried, single, SHORTLIST_BACK, pool), holdout, pool, progress, what)
+            work = still_called_for(extensions(rest, tried, single, SHORTLIST_BACK, pool), tried)
+            tried += try_all(work, holdout, pool, progress, what)
             tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         if size == 2:
             done: set[frozenset[str]] = set()
@@ -152,6 +154,21 @@ def try_together(
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def quick(work: Sequence[Work]) -> list[Work]:
+    """Return the work that takes no global search."""
+    return [each for each in work if not each.is_global]
+
+
+def thorough(work: Sequence[Work]) -> list[Work]:
+    """Return the work that takes a global search, as for what makes the stem stop, which takes long."""
+    return [each for each in work if each.is_global]
+
+
+def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
+    """Return work without global searches where something that was tried explains the record, the base being first."""
+    return quick(work) if explains(min(tried, key=misfit), tried[0]) else list(work)
 
 
 def is_settled(candidate: Candidate, base: Candidate) -> bool:
@@ -226,6 +243,8 @@ def extensions(
     fits = {each.effects[0]: each.fit for each in best_of(tried, 1)}
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if not effect_of_key(key).fitted]
+    # What comes close to no effect promises little by slopes, and shows where little is left.
+    hiding = [key for key in single if "none" in effect_of_key(key).aliases]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
@@ -234,7 +253,8 @@ def extensions(
         takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
         best = alone[:BEST_ON_SERIES] if leader.has_series else alone
-        certain = list(dict.fromkeys([*stopping, *(key for key in (*best, *plain) if key not in leader.effects)]))
+        called = (*best, *plain, *(hiding if explains(leader, tried[0], generous=True) else ()))
+        certain = list(dict.fromkeys([*stopping, *(key for key in called if key not in leader.effects)]))
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)

@@ -127,6 +127,15 @@ def test_where_no_line_tells_the_law_comes_on_top_of_the_best_others():
     assert [each.fit for each in work] == ["supply_droop", "coil_lag", "air_leak"]
 
 
+def test_slips_are_not_looked_at_where_a_coarse_reading_comes_nearer(monkeypatch):
+    monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(slips, "bent_lines", lambda *_: pytest.fail("looked at"))
+    problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
+    base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
+    alone = [base, named(30.0, "static_friction"), named(10.0, "quantisation"), named(20.0, "area_variation")]
+    assert slips.beside_slips(alone, None, None, lambda what, share: None) == []
+
+
 def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
     alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
     assert beside_the_best(alone, alone[1]) == []

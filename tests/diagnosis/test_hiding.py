@@ -64,6 +64,15 @@ def test_an_unknown_cause_is_credited_with_no_more_than_a_known_one_that_leaves_
     assert judge([base, short, known]).unknown < 0.2
 
 
+def test_what_explains_the_gap_needs_no_stops(monkeypatch):
+    """Friction below notice lets the stem rest on its way as well."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: True)
+    base, spot = candidate(90.0), candidate(1.2, "position_dependent_friction")
+    assert judge([base, spot]).probabilities[1] > 0.9
+    short = candidate(1.8, "position_dependent_friction")
+    assert judge([base, short]).unknown > 0.5
+
+
 @pytest.mark.parametrize(
     ("key", "expected"),
     [("air_leak", True), ("linkage_backlash", True), ("choked_flow", False), ("coil_lag", False)],

@@ -42,6 +42,38 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
     assert leaders_of([load]) == [load]
 
 
+@pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])
+def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch, left, expected):
+    monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    tried = [candidate(40.0), candidate(left, "supply_droop")]
+    single = {key: {} for key in ("supply_droop", "coil_lag", "air_leak", "linkage_backlash")}
+    work = extensions(tried[1:], tried, single, 0, None)
+    assert [each.effects for each in work] == [("supply_droop", key) for key in expected]
+
+
+@pytest.mark.parametrize(("left", "expected"), [(1.2, ["coil_lag"]), (20.0, ["coil_lag", "static_friction"])])
+def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_record(monkeypatch, left, expected):
+    tried = [candidate(40.0), candidate(25.0, "supply_droop")]
+    jobs = [
+        Work(tried[1].fit, ("supply_droop", key), key == "static_friction") for key in ("static_friction", "coil_lag")
+    ]
+    monkeypatch.setattr(selection, "extensions", lambda *_: jobs)
+    monkeypatch.setattr(selection, "exchanged", lambda _: [])
+    done = []
+
+    def try_all(work, *_):
+        done.extend(each.effects[-1] for each in work)
+        return [candidate(left, *each.effects) for each in work]
+
+    monkeypatch.setattr(selection, "try_all", try_all)
+    monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
+    monkeypatch.setattr(selection, "reversed_pairs", lambda *_: [])
+    monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
+    selection.try_together(tried, None, None, lambda what, share: None)
+    assert list(dict.fromkeys(done)) == expected
+
+
 def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(monkeypatch):
     monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
     monkeypatch.setattr(selection, "shortlist", lambda *_: ["coil_lag"])
