@@ -192,10 +192,11 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
     """Return the causes, of no more effects, whose error on unseen data is like the chosen one's.
 
     The empty cause means the base alone. A cause that only adds to the chosen one is no rival. Beside no effect at all
-    those that are declared to hide in the base come first: no record of current and position rules them out.
+    only those are that are declared to hide in the base: no record of current and position rules them out, while of
+    others it shows that they are weak.
     """
     base, mine = candidates[0], candidates[chosen]
-    found: list[tuple[bool, float, tuple[str, ...]]] = []
+    found: list[tuple[float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
         if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
             continue
@@ -203,6 +204,8 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
             continue
         difference = abs(judgement.evidence[number] - judgement.evidence[chosen])
         is_alias = differ_by_aliases(mine.effects, other.effects)
+        if not mine.effects and not is_alias:
+            continue
         if is_alias and any(effect_of_key(key).is_chaotic for key in other.effects):
             # No search comes to the end of its error: that it lies behind says little.
             within = math.inf
@@ -211,5 +214,5 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
         else:
             within = WITHIN_ERROR
         if difference < within:
-            found.append((bool(mine.effects) or not is_alias, -judgement.evidence[number], other.effects))
-    return [effects for *_, effects in sorted(found)][:MOST_RIVALS]
+            found.append((-judgement.evidence[number], other.effects))
+    return [effects for _, effects in sorted(found)][:MOST_RIVALS]

@@ -153,6 +153,15 @@ def test_an_alias_whose_search_comes_to_no_end_stays_a_rival(quiet, refitted, ch
     assert rivals_of(chosen, tried, Judgement(np.zeros(3), 0.0, evidence)) == rivals
 
 
+def test_beside_no_effect_only_what_hides_in_the_base_cannot_be_told_from_it(quiet, refitted):
+    base, _ = refitted(quiet)
+    effects = [(), ("transport_delay",), ("air_leak",), ("linkage_backlash",)]
+    tried = [Candidate(each, base.fit, score_of(*[1.0] * 6), trace=9.0) for each in effects]
+    evidence = np.array([0.0, 0.3, 0.0, 0.1])
+    assert rivals_of(0, tried, Judgement(np.zeros(4), 0.0, evidence)) == [("linkage_backlash",), ("air_leak",)]
+    assert ("transport_delay",) in rivals_of(2, tried, Judgement(np.zeros(4), 0.0, evidence))
+
+
 @pytest.mark.parametrize(
     ("alone", "pair", "other", "is_seen"),
     [
