@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,8 @@ IMITATED = 1.02
 def closure_on_unseen(answer: Path, plant: Plant, seed: int, *, is_anchored: bool) -> dict[str, float | None]:
     """Compare the refitted base and the found model with a record of the valve that no one has seen.
 
-    The noise floor is the one that was built into the plant.
+    The noise floor is the one that was built into the plant: how far its readings are from those without noise, which a
+    coarse converter shows as whole steps.
 
     Parameters
     ----------
@@ -45,7 +47,8 @@ def closure_on_unseen(answer: Path, plant: Plant, seed: int, *, is_anchored: boo
         Record.from_arrays(name="unseen", time=taken["time"], current=taken["current"], position=taken["position"])
     )
     base, found = (gap(read_model(answer / name), unseen, is_anchored) for name in ("base.json", "model.json"))
-    floor = float(np.hypot(plant.noise, plant.resolution / np.sqrt(12.0)))
+    quiet = measure(replace(plant, noise=0.0, resolution=0.0), seed)
+    floor = float(np.sqrt(np.mean((taken["position"] - quiet["position"]) ** 2)))
     closed = closed_share(base, found, floor) if base > WORTH_CLOSING * floor else None
     return {"base": base, "found": found, "floor": floor, "closed": closed}
 
