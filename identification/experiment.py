@@ -34,6 +34,10 @@ LEAST_LOOP_NOISE = 1e-4
 NEAR_STEPS = 0.15
 """Distance from a grid, root mean square over its step, of readings that come in steps; of others it is twice that."""
 
+BESIDE_STEPS = 2.0
+"""Distance from a grid, root mean square, up to which readings lie on it: a stem that rests every so often does not.
+[noise]"""
+
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
 
@@ -111,7 +115,7 @@ class Experiment:
         if step <= 0.0:
             return False
         places = (self.position[np.isfinite(self.position)] - offset) / step
-        return float(np.std(places - np.round(places))) < NEAR_STEPS
+        return float(np.std(places - np.round(places))) < min(NEAR_STEPS, BESIDE_STEPS * self.noise / step)
 
     def errors_of(self, simulated: Simulated) -> np.ndarray:
         """Return measured less simulated positions, shape (rows, n), as they count: squared and summed. [noise]

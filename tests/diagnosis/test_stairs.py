@@ -93,6 +93,9 @@ def test_reading_in_steps_is_right_within_half_a_step(quiet):
     stepped = replace(quiet, position=np.round(quiet.position / step) * step)
     assert stepped.comes_in_steps(step, 0.0)
     assert not quiet.comes_in_steps(step, 0.0)
+    # A stem that rests at even places, but for what is far beyond the noise, is no coarse reading.
+    uneven = np.random.default_rng(1).uniform(-0.2, 0.2, len(quiet.position)) * step
+    assert not replace(stepped, position=stepped.position + uneven).comes_in_steps(step, 0.0)
     run = Simulated(stepped.position, quiet.position, quiet.position, step, quiet.position[None, :])
     assert np.abs(stepped.errors_of(run)).max() < 1e-6
 
