@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.explaining import explains, misfit, stops_seen
+from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import OFF_THE_LINE, BentLine, bent_line, straight_line
 from identification.extension import slips_by
@@ -55,13 +55,14 @@ def beside_slips(
     -------
     list of Candidate
         Causes of two effects; empty where nothing speaks for stick-slip, a coarse reading comes nearer, one effect
-        explains the gap, or no line is bent and stick-slip is not the best alone.
+        explains the gap, no line is bent and a law that is quickly searched for is not the best alone, or no two come
+        nearer at the slips than a law alone.
     """
     base = alone[0]
     has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
     laws = [each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway]
     makers = sorted((each for each in laws if has_stairs or not effect_of_key(each.effects[0]).is_chaotic), key=misfit)
-    if not makers or explains(min(alone, key=misfit), base):
+    if not makers or any_explains(alone):
         return []
     if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
         return []
@@ -74,7 +75,8 @@ def beside_slips(
     progress("what sets how far the slips go", 0.0)
     looked = list(zip(work, (pool.map if pool else map)(slips_of, work), strict=True))
     if not any(slips for _, slips in looked):
-        return try_all(beside_the_best(alone, makers[0]) or work[:MAKERS], holdout, pool, progress, WHAT)
+        known = [replace(each, slips=[]) for each in work[:MAKERS]]
+        return try_all(beside_the_best(alone, makers[0]) or known, holdout, pool, progress, WHAT)
     alone_at_slips = min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
 

@@ -148,7 +148,7 @@ class Diagnosis(Told):
 
     @property
     def cause(self) -> Cause:
-        """The best cause."""
+        """The cause that the verdict speaks of, the nearest one where that is unknown."""
         return self.causes[0]
 
     @property
@@ -270,11 +270,12 @@ def diagnose(
         tried, hiding = with_hidden(tried, holdout, pool, progress)
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
-    yardstick = yardstick_of(tried[int(np.argmax(judgement.probabilities))], first, floors)
+    verdict = verdict_of(tried, judgement)
+    order = order_of(tried, judgement, verdict)
+    shown = tried[order[0]]
+    yardstick = yardstick_of(shown, first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
-    causes = causes_of(tried, judgement, floor, yardstick)
-    verdict = verdict_of(causes, judgement)
-    shown = next(each for each in tried if each.effects == causes[0].effects)
+    causes = causes_of(tried, order, judgement, floor, yardstick)
     as_given = errors_as_given(model, holdout, yardstick)
     control = control_of(tried, holdout, yardstick)
     progress("fitting the cause to the whole record", 0.9)
@@ -341,11 +342,25 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
     return errors_of(holdout, simulated)
 
 
-def causes_of(candidates: Sequence[Candidate], judgement: Judgement, floor: float, yardstick: str) -> list[Cause]:
-    """Return all that was tried as causes, the most probable first, the nearer first where equally probable."""
+def order_of(candidates: Sequence[Candidate], judgement: Judgement, verdict: str) -> list[int]:
+    """Return the numbers of all that was tried: the most probable first, the nearer first where equally probable.
+
+    The one that the verdict speaks of leads: several effects may together be more probable than none, each less.
+    """
     order = sorted(
         range(len(candidates)), key=lambda number: (-judgement.probabilities[number], candidates[number].score.misfit)
     )
+    if verdict == "effect":
+        leader = next(number for number in order if candidates[number].effects)
+        order.remove(leader)
+        order.insert(0, leader)
+    return order
+
+
+def causes_of(
+    candidates: Sequence[Candidate], order: Sequence[int], judgement: Judgement, floor: float, yardstick: str
+) -> list[Cause]:
+    """Return all that was tried as causes, in an order of their numbers."""
     base: Errors = getattr(candidates[0].score, yardstick)
     causes = []
     for number in order:
@@ -384,13 +399,13 @@ def with_parameters(cause: Cause, fit: Fit) -> Cause:
         for values in parameters.values():
             if estimate.name in values:
                 values[estimate.name]["std"] = estimate.std
-    return Cause(**{**vars(cause), "parameters": parameters})
+    return replace(cause, parameters=parameters)
 
 
-def verdict_of(causes: Sequence[Cause], judgement: Judgement) -> str:
+def verdict_of(candidates: Sequence[Candidate], judgement: Judgement) -> str:
     """Return `effect`, `none` or `unknown`: whichever has most of the probability."""
-    none = sum(cause.probability for cause in causes if not cause.effects)
-    effect = 1.0 - none - judgement.unknown
+    is_effect = np.array([bool(each.effects) for each in candidates])
+    effect, none = (float(judgement.probabilities[each].sum()) for each in (is_effect, ~is_effect))
     return max((effect, "effect"), (none, "none"), (judgement.unknown, "unknown"))[1]
 
 
@@ -407,6 +422,6 @@ def steps_of(
     for count in range(1, len(shown.effects) + 1):
         part = shown.effects[:count]
         for candidate in candidates:
-            if candidate.effects == part:
+            if set(candidate.effects) == set(part):
                 steps.append((f"+ {effect_of_key(part[-1]).title}", rms(candidate)))
     return [*steps, ("noise floor", floor)]

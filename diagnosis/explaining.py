@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from diagnosis.trying import Candidate
 from identification.fit import Fit
 from identification.staircase import stops_on_the_way
@@ -16,7 +18,8 @@ AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
 GENEROUS = 4.0
-"""Factor by which two effects may leave more than one, in square, before a third is looked for."""
+"""Factor by which a cause may leave more, in square, for what is left to be little: a third effect is not looked for
+beside two, and beside one what comes close to none is."""
 
 LEAST_STOPS = 10
 """Rests of the stem on its way from which effects that can show so are looked for first."""
@@ -37,6 +40,11 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
         return misfit(candidate) < AT_NOISE
     allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
     return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
+
+
+def any_explains(tried: Sequence[Candidate], *, generous: bool = False) -> bool:
+    """Return whether one of the causes that were tried, the base first, explains a record."""
+    return any(explains(each, tried[0], generous=generous) for each in tried)
 
 
 def stops_seen(fit: Fit) -> bool:

@@ -45,7 +45,8 @@ def with_hidden(
     list of Candidate
         The causes; beside none, effects that hide at their strength instead of at nothing.
     list of str
-        Effects that hide beside the most probable cause, the best hidden first; empty where that is none.
+        Effects that hide beside the most probable cause, the best hidden first; empty where that is none, has two
+        effects or does not explain the gap, and where an unknown one is more probable.
     """
     judgement = judge(tried)
     best = tried[int(np.argmax(judgement.probabilities))]

@@ -40,7 +40,8 @@ SUREST_UNKNOWN = 0.8
 Of 22 blind valves of our own that were called unknown, 17 were."""
 
 COST_STOPS = 10.0
-"""Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that."""
+"""Log-likelihood that a cause loses which cannot make the stem rest again and again where the record shows that, unless
+it explains the gap all the same."""
 
 FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.05, 0.45
 """The same as FORM and UNKNOWN_FORM in a record with stairs: there the phase of slips is lost soon though the cause is
@@ -89,7 +90,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     """
     base = candidates[0].score
     sharpness = sharpness_of(base)
-    has_stairs = any(each.has_stairs for each in candidates[0].fit.problem.experiments)
+    has_stairs = base.at_rests is not None
     has_stops = stops_seen(candidates[0].fit)
     slips = np.array([makes_slips(each) for each in candidates])
     form = np.where(slips, FORM_SLIPS, FORM) if not has_stairs else np.full(len(slips), FORM_STAIRS)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
@@ -96,8 +96,9 @@ def try_alone(
     has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
-        best = min(tried, key=misfit)
-        if effect_of_key(round_of[0]).is_jagged and explains(best, base):
+        ends = [each for each in tried if explains(each, base)]
+        if effect_of_key(round_of[0]).is_jagged and ends:
+            best = min(ends, key=misfit)
             keys = [key for key in keys if effect_of_key(key).is_chaotic and differ_by_aliases((key,), best.effects)]
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
         tried += try_all(work, holdout, pool, progress, "effects one by one")
@@ -122,27 +123,31 @@ def try_together(
     alone = [each for each in tried if len(each.effects) == 1]
     single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone}
     for size in range(2, MOST_EFFECTS + 1):
-        if explains(min(tried, key=misfit), base, generous=size > 2):
+        if any_explains(tried, generous=size > 2):
             break
         order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
+        if not order:
+            break
         leaders = leaders_of(order)
         if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
             break
         what = f"{size} effects together"
         for leader in leaders:
             work = extensions([leader], tried, single, SHORTLIST, pool)
-            for part in (quick(work), thorough(work)):
+            for part in (local(work), wide(work)):
                 tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, settles)
             if any(map(settles, tried)):
                 break
         if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
             break
         if not settles(best_of(tried, size)[0]):
-            rest = [each for each in tried if each.effects and each.effects == best_of(tried, size)[0].effects[1:]]
+            without_first = set(best_of(tried, size)[0].effects[1:])
+            rest = [each for each in tried if set(each.effects) == without_first]
             rest = [each for each in rest if all(each is not leader for leader in leaders)]
             work = still_called_for(extensions(rest, tried, single, SHORTLIST_BACK, pool), tried)
             tried += try_all(work, holdout, pool, progress, what)
-            tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
+            if size == 2:
+                tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
         if size == 2:
             done: set[frozenset[str]] = set()
             for _ in range(ALIAS_ROUNDS):
@@ -156,19 +161,19 @@ def try_together(
     return tried
 
 
-def quick(work: Sequence[Work]) -> list[Work]:
+def local(work: Sequence[Work]) -> list[Work]:
     """Return the work that takes no global search."""
     return [each for each in work if not each.is_global]
 
 
-def thorough(work: Sequence[Work]) -> list[Work]:
+def wide(work: Sequence[Work]) -> list[Work]:
     """Return the work that takes a global search, as for what makes the stem stop, which takes long."""
     return [each for each in work if each.is_global]
 
 
 def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
     """Return work without global searches where something that was tried explains the record, the base being first."""
-    return quick(work) if explains(min(tried, key=misfit), tried[0]) else list(work)
+    return local(work) if any_explains(tried) else list(work)
 
 
 def is_settled(candidate: Candidate, base: Candidate) -> bool:
@@ -191,14 +196,18 @@ def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
 
 
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
-    """Return work whose fits are only followed to their end where they come near the best so far."""
-    least = min(each.fit.found.error for each in tried)
+    """Return work whose fits are only followed to their end where they come near the best so far.
 
-    def worth(size: int) -> float:
-        smaller = min(each.fit.found.error for each in tried if len(each.effects) < size)
+    Errors of runs that are put anew on the readings every so often tell nothing of those of free runs.
+    """
+
+    def worth(job: Work) -> float:
+        alike = [each for each in tried if each.fit.problem.is_anchored == job.fit.problem.is_anchored]
+        least = min(each.fit.found.error for each in alike)
+        smaller = min(each.fit.found.error for each in alike if len(each.effects) < len(job.effects))
         return min(NO_GAIN * smaller, FAR_BEHIND * least)
 
-    return [replace(each, worth=worth(len(each.effects))) for each in work]
+    return [replace(each, worth=worth(each)) for each in work]
 
 
 def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
@@ -261,7 +270,7 @@ def extensions(
             if frozenset(effects) in known:
                 continue
             known.add(frozenset(effects))
-            is_global = key in stopping and not effect_of_key(key).is_chaotic
+            is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
             if leader.has_series:
                 # On top of the few unknowns of the other, not of the many of a series.
                 (own,) = leader.effects
@@ -314,6 +323,8 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
                 key = other.effects[0]
                 cause = frozenset((key, kept))
                 is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
+                if other.has_series:
+                    continue
                 if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
                     work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
@@ -361,8 +372,8 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
 
 
 def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
-    """Return the best fit in which the stem stops again, for an effect whose runs take long; else None."""
-    kin = [each.fit for each in tried if any(effect_of_key(key).stops_again for key in each.effects)]
+    """Return the best fit in which the stem jumps off, for an effect whose runs take long; else None."""
+    kin = [each.fit for each in tried if any(effect_of_key(key).breakaway for key in each.effects)]
     return min(kin, key=lambda fit: fit.found.error) if kin and effect.is_chaotic else None
 
 

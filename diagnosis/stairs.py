@@ -56,9 +56,9 @@ def stairs_beside(
     if not pairs or any(each.has_stairs for each in experiments):
         return None
     best = pairs[0]
-    makers = [each for each in best.effects if effect_of_key(each).stops_again and effect_of_key(each).is_jagged]
+    makers = [each for each in best.effects if effect_of_key(each).breakaway]
     rest = [each for each in tried if set(each.effects) == set(best.effects) - set(makers)]
-    if not makers or not rest[:1] or misfit(best) > STEPPED * misfit(rest[0]) or misfit(best) < GOOD_ENOUGH:
+    if not makers or not rest or misfit(best) > STEPPED * misfit(rest[0]) or misfit(best) < GOOD_ENOUGH:
         return None
     return tempered(experiments, tried[0].fit, model)
 
@@ -89,7 +89,8 @@ def makes_stairs(base: Fit) -> bool:
 
     A reading in coarse steps does not count: no slip comes early in it.
     """
-    makers = [each for each in EFFECTS if each.stops_again and each.is_jagged and not each.is_chaotic]
+    makers = [each for each in EFFECTS if each.breakaway and not each.is_chaotic]
     return any(
-        bool(slips_by(base, each)) or extend(base, each.key).found.error < STEPPED * base.found.error for each in makers
+        bool(slips_by(base, each)) or extend(base, each.key, slips=[]).found.error < STEPPED * base.found.error
+        for each in makers
     )

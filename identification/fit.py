@@ -56,7 +56,7 @@ class Fit:
 
         An experiment that was not fitted starts at its first readings.
         """
-        numbers = [number for number, each in enumerate(self.problem.experiments) if each is experiment]
+        numbers = [number for number, each in enumerate(self.problem.experiments) if each.is_same(experiment)]
         start = self.starts[numbers[0]] if numbers else experiment.first_reading
         return simulate_model(self.model, experiment, start_position=start, is_anchored=is_anchored)
 

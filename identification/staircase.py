@@ -33,6 +33,8 @@ def stops_on_the_way(experiment: Experiment, simulated: np.ndarray) -> int:
 
 
 def _stops(measured: np.ndarray, simulated: np.ndarray, least: float, stride: int) -> int:
+    if len(measured) <= stride:
+        return 0
     movement, expected = (each[stride:] - each[:-stride] for each in (measured, simulated))
     way = np.where(np.abs(expected) > least, np.sign(expected), 0.0)
     count = 0

@@ -26,7 +26,8 @@ from valvemodel.effects import differ_by_aliases, effect_of_key
 def candidate(misfit: float, *effects: str) -> Candidate:
     values = {key: {"size": misfit} for key in effects}
     model, found = SimpleNamespace(effects=values), SimpleNamespace(error=100.0 * misfit)
-    fit = SimpleNamespace(name="+".join(effects), model=model, found=found)
+    problem = SimpleNamespace(is_anchored="stribeck" in effects)
+    fit = SimpleNamespace(name="+".join(effects), model=model, found=found, problem=problem)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
 
 
@@ -143,6 +144,38 @@ def test_pair_that_was_tried_is_tried_again_where_it_lies_far_behind(behind, cou
     tried = [candidate(20.0), *(candidate(9.0, key) for key in keys)]
     tried += [candidate(2.0, "magnetic_saturation", "sensor_lag"), candidate(behind, "choked_flow", "sensor_lag")]
     assert len(exchanged(tried)) == count
+
+
+def test_errors_of_re_anchored_runs_say_nothing_of_free_ones():
+    tried = [candidate(20.0), candidate(9.0, "static_friction"), candidate(0.9, "stribeck")]
+    work = [Work(each.fit, (*each.effects, "coil_lag"), False) for each in tried[1:]]
+    assert [each.worth for each in worthwhile(work, tried)] == [NO_GAIN * 900.0, NO_GAIN * 90.0]
+
+
+def test_where_nothing_was_tried_alone_nothing_is_tried_together():
+    assert selection.try_together([candidate(20.0)], None, None, lambda *_: None) == [candidate(20.0)]
+
+
+def test_a_series_that_comes_nearest_does_not_hide_a_cause_that_explains():
+    tried = [candidate(40.0), waves(1.07, "load_force"), candidate(1.1, "coil_lag")]
+    work = [Work(tried[2].fit, ("coil_lag", key), key == "static_friction") for key in ("static_friction", "air_leak")]
+    assert selection.still_called_for(work, tried) == work[1:]
+    assert selection.still_called_for(work, tried[:2]) == work
+
+
+def test_a_coarse_reading_takes_no_global_search(monkeypatch):
+    monkeypatch.setattr(selection, "stopping_on", lambda *_: ["quantisation", "static_friction"])
+    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    tried = [candidate(40.0), candidate(20.0, "supply_droop")]
+    single = {key: {} for key in ("supply_droop", "quantisation", "static_friction")}
+    work = extensions(tried[1:], tried, single, 0, None)
+    assert [(each.effects[1], each.is_global) for each in work] == [("quantisation", False), ("static_friction", True)]
+
+
+def test_a_series_is_not_exchanged_for():
+    tried = [candidate(20.0), candidate(9.0, "gap_drift"), candidate(12.0, "coil_lag"), waves(11.0, "load_force")]
+    tried.append(candidate(2.0, "coil_lag", "gap_drift"))
+    assert "load_force" not in {key for each in exchanged(tried) for key in each.effects}
 
 
 def test_nearest_of_the_same_effects_is_kept():

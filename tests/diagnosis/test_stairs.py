@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.diagnosing import order_of, verdict_of
 from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
 from diagnosis.score import Errors, Score, score_fit
 from diagnosis.stairs import makes_stairs, stairs_beside, with_stairs
@@ -19,6 +21,7 @@ from identification.fit import Fit, fit_base
 from identification.holdout import hold_out
 from identification.problem import Problem
 from identification.search import errors
+from identification.staircase import stops_on_the_way
 from identification.unknowns import base_unknowns
 from valvemodel.records import Record
 
@@ -154,6 +157,39 @@ def test_an_alias_whose_search_comes_to_no_end_stays_a_rival(quiet, refitted, ch
     evidence = np.array([0.0, 9.0, 9.0])
     evidence[chosen] = 20.0
     assert rivals_of(chosen, tried, Judgement(np.zeros(3), 0.0, evidence)) == rivals
+
+
+def test_a_record_of_a_few_samples_shows_no_rests(quiet):
+    short = replace(quiet, position=quiet.position[:15])
+    assert stops_on_the_way(short, quiet.position[:15]) == 0
+
+
+def test_a_fit_from_another_process_is_scored_from_its_own_start(quiet, refitted):
+    base, _ = refitted(quiet)
+    fit = replace(base.fit, starts=tuple(start + 0.01 for start in base.fit.starts))
+    returned = pickle.loads(pickle.dumps(fit))
+    (experiment,) = fit.problem.experiments
+    assert returned.problem.experiments[0] is not experiment
+    here, there = (each.simulated_on(experiment).position[0] for each in (fit, returned))
+    np.testing.assert_array_equal(here, there)
+
+
+@pytest.mark.parametrize(
+    ("probabilities", "unknown", "verdict", "first"),
+    [
+        ([0.40, 0.30, 0.25], 0.05, "effect", ("coil_lag",)),
+        ([0.60, 0.20, 0.15], 0.05, "none", ()),
+        ([0.20, 0.10, 0.15], 0.55, "unknown", ()),
+    ],
+)
+def test_the_cause_that_the_verdict_speaks_of_leads(quiet, refitted, probabilities, unknown, verdict, first):
+    base, _ = refitted(quiet)
+    tried = [Candidate(each, base.fit, score_of(*[1.0] * 6)) for each in ((), ("coil_lag",), ("sensor_lag",))]
+    judgement = Judgement(np.array(probabilities), unknown, np.zeros(3))
+    assert verdict_of(tried, judgement) == verdict
+    order = order_of(tried, judgement, verdict)
+    assert tried[order[0]].effects == first
+    assert sorted(order) == [0, 1, 2]
 
 
 def test_beside_no_effect_only_what_hides_in_the_base_cannot_be_told_from_it(quiet, refitted):
