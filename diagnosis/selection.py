@@ -52,6 +52,9 @@ SETTLED_SHARE = 0.025
 """Share of the base's error, in root mean square, that a cause may leave beside the noise for only those that are alike
 to be looked for."""
 
+MANY_NUMBERS = 4
+"""Free numbers from which an effect may stand in for one of fewer: a tight spot of any place, width and shape does."""
+
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
 
@@ -179,10 +182,12 @@ def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[W
 def is_settled(candidate: Candidate, base: Candidate) -> bool:
     """Return whether a cause is as near the noise as the right one in another form can be expected to come.
 
-    Only what is alike can come as near. A whole series of waves may come there in the place of something else.
+    Only what is alike can come as near. A whole series of waves, or an effect of many numbers, may come there in the
+    place of something else.
     """
     within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
-    return misfit(candidate) <= within and not candidate.has_series
+    numbers = [sum(not each.is_higher for each in effect_of_key(key).fitted) for key in candidate.effects]
+    return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
 
 
 def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:

@@ -104,8 +104,10 @@ def test_a_cause_is_settled_at_the_noise_or_as_near_as_another_form_of_it_comes(
     far = candidate(1001.0)
     assert is_settled(candidate(AT_NOISE + 999.0 * SETTLED_SHARE**2, "coil_lag", "end_stop"), far)
     assert not is_settled(candidate(AT_NOISE + 1001.0 * SETTLED_SHARE**2, "coil_lag", "end_stop"), far)
-    # A whole series may come there in the place of something else.
+    # A whole series may come there in the place of something else, and so may an effect of many numbers.
     assert not is_settled(waves(1.0, "coil_lag", "load_force"), far)
+    assert not is_settled(candidate(1.0, "coil_lag", "position_dependent_friction"), far)
+    assert is_settled(candidate(1.0), far)
 
 
 def test_beside_a_settled_pair_only_its_own_aliases_are_looked_for():
