@@ -57,7 +57,13 @@ EFFECTS = (
                 is_fitted=False,
             ),
         ),
-        aliases=("linkage_backlash", "pressure_dependent_friction", "linkage_nonlinearity"),
+        aliases=(
+            "linkage_backlash",
+            "pressure_dependent_friction",
+            "linkage_nonlinearity",
+            "spring_hardening",
+            "area_variation",
+        ),
         told_apart_by=(
             "a measured pressure shows it upstream of the stem; friction makes the loop wider where the branch is flat"
         ),
@@ -89,7 +95,7 @@ EFFECTS = (
                 "saturation_reach", "A", "way above the knee over which the gain falls", 0.0, 0.5, 0.0, (0.0, 50e-3)
             ),
         ),
-        aliases=("spring_hardening", "linkage_nonlinearity", "area_variation"),
+        aliases=("spring_hardening", "linkage_nonlinearity", "area_variation", "asymmetric_friction"),
         told_apart_by="a measured pressure shows it upstream of the stem",
     ),
     Effect(
@@ -100,7 +106,7 @@ EFFECTS = (
         equation=r"\tau\,di_e/dt = i - i_e",
         source="eq. (17) with the resistance kept",
         parameters=(Parameter("coil_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
-        aliases=("sensor_lag", "chamber_filling", "transport_delay"),
+        aliases=("sensor_lag", "chamber_filling", "transport_delay", "asymmetric_filling"),
         acts_in_time=True,
         told_apart_by=(
             "a measured pressure, or fast steps at low and high current: the lag is in current, before the bend"
@@ -126,7 +132,7 @@ EFFECTS = (
                 "log",
             ),
         ),
-        aliases=("sensor_drift", "load_force", "friction_drift"),
+        aliases=("sensor_drift", "load_force", "friction_drift", "supply_droop"),
         acts_in_time=True,
         told_apart_by="a measured pressure; or drift followed at low and high current, where the gap acts differently",
     ),

@@ -113,7 +113,7 @@ EFFECTS = (
                 (0.15, -0.15),
             ),
         ),
-        aliases=("none", "load_force", "air_leak"),
+        aliases=("none", "load_force", "air_leak", "magnetic_saturation"),
         told_apart_by="the spring's preload known, or position at no pressure",
     ),
     Effect(
@@ -260,7 +260,7 @@ EFFECTS = (
             ),
             Parameter("spring_progression", "1/m", "g: share of stiffening over travel", -1.5, 6.0, 0.0, (0.0,)),
         ),
-        aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation"),
+        aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation", "magnetic_hysteresis"),
         told_apart_by=(
             "a measured pressure (from magnet and nozzle), a straight scale on the stem (from the linkage), the force "
             "at a blocked stem (from the area)"
@@ -277,7 +277,7 @@ EFFECTS = (
             Parameter("area_slope", "1/m", "a: share of area over travel", -3.0, 3.0, 0.0, (-0.5, 0.5)),
             Parameter("area_curvature", "1/m^2", "b: share of area over travel squared", -10.0, 10.0, 0.0, (0.0,)),
         ),
-        aliases=("spring_hardening", "linkage_nonlinearity", "magnetic_saturation"),
+        aliases=("spring_hardening", "linkage_nonlinearity", "magnetic_saturation", "magnetic_hysteresis"),
         told_apart_by="the force at a blocked stem at two positions",
     ),
     Effect(
