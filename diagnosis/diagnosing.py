@@ -148,7 +148,7 @@ class Diagnosis(Told):
 
     @property
     def cause(self) -> Cause:
-        """The cause that the verdict speaks of, the nearest one where that is unknown."""
+        """The most probable cause: that of which the verdict speaks, unless it is unknown."""
         return self.causes[0]
 
     @property
@@ -271,7 +271,7 @@ def diagnose(
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
-    order = order_of(tried, judgement, verdict)
+    order = order_of(tried, judgement)
     shown = tried[order[0]]
     yardstick = yardstick_of(shown, first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
@@ -342,19 +342,11 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
     return errors_of(holdout, simulated)
 
 
-def order_of(candidates: Sequence[Candidate], judgement: Judgement, verdict: str) -> list[int]:
-    """Return the numbers of all that was tried: the most probable first, the nearer first where equally probable.
-
-    The one that the verdict speaks of leads: several effects may together be more probable than none, each less.
-    """
-    order = sorted(
+def order_of(candidates: Sequence[Candidate], judgement: Judgement) -> list[int]:
+    """Return the numbers of all that was tried: the most probable first, the nearer first where equally probable."""
+    return sorted(
         range(len(candidates)), key=lambda number: (-judgement.probabilities[number], candidates[number].score.misfit)
     )
-    if verdict == "effect":
-        leader = next(number for number in order if candidates[number].effects)
-        order.remove(leader)
-        order.insert(0, leader)
-    return order
 
 
 def causes_of(
@@ -403,10 +395,15 @@ def with_parameters(cause: Cause, fit: Fit) -> Cause:
 
 
 def verdict_of(candidates: Sequence[Candidate], judgement: Judgement) -> str:
-    """Return `effect`, `none` or `unknown`: whichever has most of the probability."""
+    """Return `unknown` where that has most of the probability, else `effect` or `none`, as the most probable cause is.
+
+    Many effects that each come a little nearer than none, and none of them nearer than the others, name nothing.
+    """
     is_effect = np.array([bool(each.effects) for each in candidates])
-    effect, none = (float(judgement.probabilities[each].sum()) for each in (is_effect, ~is_effect))
-    return max((effect, "effect"), (none, "none"), (judgement.unknown, "unknown"))[1]
+    known = max(float(judgement.probabilities[each].sum()) for each in (is_effect, ~is_effect))
+    if judgement.unknown > known:
+        return "unknown"
+    return "effect" if candidates[order_of(candidates, judgement)[0]].effects else "none"
 
 
 def steps_of(

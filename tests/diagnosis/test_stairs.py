@@ -175,21 +175,21 @@ def test_a_fit_from_another_process_is_scored_from_its_own_start(quiet, refitted
 
 
 @pytest.mark.parametrize(
-    ("probabilities", "unknown", "verdict", "first"),
+    ("probabilities", "unknown", "verdict"),
     [
-        ([0.40, 0.30, 0.25], 0.05, "effect", ("coil_lag",)),
-        ([0.60, 0.20, 0.15], 0.05, "none", ()),
-        ([0.20, 0.10, 0.15], 0.55, "unknown", ()),
+        ([0.30, 0.40, 0.25], 0.05, "effect"),
+        ([0.40, 0.30, 0.25], 0.05, "none"),
+        ([0.20, 0.10, 0.15], 0.55, "unknown"),
+        ([0.05, 0.30, 0.25], 0.40, "effect"),
     ],
 )
-def test_the_cause_that_the_verdict_speaks_of_leads(quiet, refitted, probabilities, unknown, verdict, first):
+def test_the_verdict_is_that_of_the_most_probable_cause(quiet, refitted, probabilities, unknown, verdict):
     base, _ = refitted(quiet)
     tried = [Candidate(each, base.fit, score_of(*[1.0] * 6)) for each in ((), ("coil_lag",), ("sensor_lag",))]
     judgement = Judgement(np.array(probabilities), unknown, np.zeros(3))
     assert verdict_of(tried, judgement) == verdict
-    order = order_of(tried, judgement, verdict)
-    assert tried[order[0]].effects == first
-    assert sorted(order) == [0, 1, 2]
+    order = order_of(tried, judgement)
+    assert verdict == "unknown" or bool(tried[order[0]].effects) == (verdict == "effect")
 
 
 def test_beside_no_effect_only_what_hides_in_the_base_cannot_be_told_from_it(quiet, refitted):
