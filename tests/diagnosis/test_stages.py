@@ -45,7 +45,8 @@ def test_probabilities_of_the_stages_and_of_no_effect_sum_to_one():
 
 
 def test_where_a_pressure_was_measured_resemblance_is_asked_within_each_half():
-    tried = [candidate(50.0), candidate(20.0, "friction_drift"), candidate(40.0, "supply_droop")]
+    # Where a lag of the coil fell short, the nozzle lags rather.
+    tried = [candidate(50.0), candidate(20.0, "friction_drift"), candidate(40.0, "coil_lag")]
     judgement = Judgement(np.zeros(3), 1.0, np.zeros(3))
     halves = [(("electromagnet", "nozzle"), 0.9), (("stem", "sensor"), 0.1)]
     shares = stage_probabilities(tried, judgement, halves)
