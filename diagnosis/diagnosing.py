@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -24,8 +25,9 @@ from diagnosis.selection import library_for, select, try_first, try_together
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import open_stages, stage_probabilities
 from diagnosis.stairs import on_stairs, stairs_beside
-from diagnosis.trying import Candidate, workers
+from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
+from identification.cores import workers
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
@@ -245,6 +247,14 @@ def diagnose(
 
     Parameters, errors and what they mean are the door's.
     """
+    with workers(jobs) as pool:
+        return diagnose_with(pool, records, model, candidates, progress)
+
+
+def diagnose_with(
+    pool: Executor | None, records: Sequence[Record], model: Model, candidates: Sequence[str] | None, progress: Progress
+) -> Diagnosis:
+    """Diagnose, as `diagnose` says, with the processes of a pool."""
     began = time.perf_counter()
     experiments, notes = experiments_of(records)
     holdout = hold_out(experiments)
@@ -257,17 +267,16 @@ def diagnose(
         base = fit_base(model, holdout.experiments, holdout.fitted)
     experiments, holdout, base = on_stairs(experiments, holdout, base, model)
     first = Candidate((), base, score_fit(base, holdout))
-    with workers(jobs) as pool:
-        tried = try_first(first, holdout, library, pool, progress)
+    tried = try_first(first, holdout, library, pool, progress)
+    seen = stairs_beside(tried, experiments, model)
+    if not seen:
+        tried = try_together(tried, holdout, pool, progress)
         seen = stairs_beside(tried, experiments, model)
-        if not seen:
-            tried = try_together(tried, holdout, pool, progress)
-            seen = stairs_beside(tried, experiments, model)
-        if seen:
-            experiments, holdout, base = seen
-            first = Candidate((), base, score_fit(base, holdout))
-            tried = select(first, holdout, library, pool, progress)
-        tried, hiding = with_hidden(tried, holdout, pool, progress)
+    if seen:
+        experiments, holdout, base = seen
+        first = Candidate((), base, score_fit(base, holdout))
+        tried = select(first, holdout, library, pool, progress)
+    tried, hiding = with_hidden(tried, holdout, pool, progress)
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)

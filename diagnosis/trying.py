@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
 
 import numpy as np
 
@@ -87,22 +84,6 @@ class Work:
     is_known: bool = False
     worth: float = math.inf
     slips: list[SlipSearch] | None = None
-
-
-@contextmanager
-def workers(jobs: int | None = None) -> Iterator[Executor | None]:
-    """Open processes that share the compiled simulator; None where there is only one core."""
-    jobs = jobs or min(os.cpu_count() or 1, 8)
-    if jobs == 1:
-        yield None
-        return
-    # A fork server takes 1 to 2.5 s to import the simulator. A fork beside the idle threads of polars, which read the
-    # records, is safe as long as no work in here reads or writes tables: the children never call polars.
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("fork"))
-    try:
-        yield pool
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:

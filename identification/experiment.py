@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from identification.cores import in_parts
 from identification.noise import noise_level
 from valvemodel import chain, loops, runs
 from valvemodel.parameters import MEMORY, STATE
@@ -225,12 +226,17 @@ def simulate_rows(
         return _settled(experiment, rows)
     smooth = np.empty(shape)
     pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
-    states = np.zeros(len(rows), STATE)
     step, offset = _without_steps(experiment, rows)
-    runs.run_chain(
-        rows, states, np.zeros(1, MEMORY), experiment.time, experiment.current, anchors, chain.CURRENT,
-        tolerance, smooth, pressure, mode,
-    )  # fmt: skip
+
+    def run(part: slice) -> None:
+        some = rows[part]
+        noted = (pressure[part], mode[part]) if with_pressure else (runs.NONE, runs.NONE)
+        runs.run_chain(
+            some, np.zeros(len(some), STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, anchors,
+            chain.CURRENT, tolerance, smooth[part], *noted,
+        )  # fmt: skip
+
+    in_parts(run, len(rows))
     position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
     return Simulated(position, pressure, mode, step, smooth)
 
@@ -277,8 +283,13 @@ def score_rows(
     measured = np.where(used, experiment.position, np.nan)
     sums = np.empty(len(rows))
     step, _ = _without_steps(experiment, rows)
-    runs.score_rows(
-        rows, np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured, 0.5 * step,
-        experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance, np.empty((1, len(measured))), sums,
-    )  # fmt: skip
+
+    def score(part: slice) -> None:
+        runs.score_rows(
+            rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
+            0.5 * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
+            np.empty((1, len(measured))), sums[part],
+        )  # fmt: skip
+
+    in_parts(score, len(rows))
     return sums / experiment.noise**2
