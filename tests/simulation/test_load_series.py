@@ -42,8 +42,7 @@ def test_the_slope_of_the_load_stays_within_its_bound(waves):
     time = np.linspace(0.0, PERIOD, 20_001)
     slope = np.abs(np.gradient(force_at(time, waves), time))
     assert slope.max() <= steepest_slope(row) * (1.0 + 1e-6) < 4.0 * slope.max()
-    times = np.sqrt(2.0) if waves == 1 else 2.0
-    assert usual_slope(row) == pytest.approx(times * np.sqrt((slope**2).mean()), rel=1e-3)
+    assert usual_slope(row) == pytest.approx(np.sqrt(2.0) * np.sqrt((slope**2).mean()), rel=1e-3)
 
 
 def test_the_exact_run_agrees_with_two_that_share_no_code_with_it():

@@ -60,11 +60,11 @@ def steepest_slope(p):
 
 @compiled
 def usual_slope(p):
-    """Return how fast the load changes but for moments: twice the root mean square of its slope. [N/s]
+    """Return how fast the load changes but for moments: 1.4 times the root mean square of its slope. [N/s]
 
     Of one wave that is the bound.
     """
-    return math.sqrt(min(p.load_waves, 2.0)) * size_of_slopes(p)
+    return size_of_slopes(p)
 
 
 @compiled
