@@ -13,7 +13,7 @@ from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened
-from identification.search import Found, descend, errors, principal_directions, roam
+from identification.search import Effort, Found, descend, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -27,6 +27,9 @@ WIDEST = 2.0
 QUICK, SHORT = (8, 80), (3, 30)
 """Points of a global search for each unknown, and generations: more where a run has a closed form, fewer where it takes
 long and ends nowhere exact."""
+
+PROMISING = 0.9
+"""Share of the error without an effect below which a global search for it must have come early on, or ends."""
 
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
@@ -138,8 +141,11 @@ def extended(
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
-    close = [(each, found) for each, found in searched if found.error < CLOSE * best.error]
-    ended = [(each, descend(each, found.point, evaluations=20, precision=1e-6)) for each, found in close]
+    begun = [(each, found.point) for each, found in searched if found.error < CLOSE * best.error]
+    if best.error < WORTH_FOLLOWING * fit.found.error:
+        # Another form may be lost in a side minimum: it goes on from where the best one came, too.
+        begun += [(each, best.point) for each, _ in searched if is_another_form(effect, each, problem)]
+    ended = [(each, descend(each, point, evaluations=20, precision=1e-6)) for each, point in begun]
     return finished(*min(ended, key=lambda pair: pair[1].error))
 
 
@@ -273,12 +279,21 @@ def at_neutral(fit: Fit, effect: Effect) -> tuple[Problem, Found]:
 
 def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
     """Return the trials in groups that differ in fitted parameters only; each group is searched on its own."""
-    held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
     groups: dict[tuple[float, ...], list[Trial]] = {}
     for trial in trials:
-        values = trial.problem.model.effects[effect.key]
-        groups.setdefault(tuple(values[name] for name in held), []).append(trial)
+        groups.setdefault(form_of(effect, trial.problem), []).append(trial)
     return list(groups.values())
+
+
+def form_of(effect: Effect, problem: Problem) -> tuple[float, ...]:
+    """Return the values of an effect that are not fitted, in a problem with it."""
+    values = problem.model.effects[effect.key]
+    return tuple(values[each.name] for each in effect.parameters if not each.is_fitted)
+
+
+def is_another_form(effect: Effect, one: Problem, other: Problem) -> bool:
+    """Return whether two problems differ in the form of an effect alone, so that a point of one is one of the other."""
+    return form_of(effect, one) != form_of(effect, other) and one.unknowns == other.unknowns
 
 
 def promising(fit: Fit, groups: list[list[Trial]]) -> list[list[Trial]]:
@@ -297,8 +312,8 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
 
     The fit's unknowns move along the principal directions of their Jacobian, each by up to twice what changes the
     residual as much as it is large; the effect's parameters move between the outermost of neutral and starts. One
-    search looks at the re-anchored run and, unless that is lost at once, one at the free run; the point that does best
-    by both together wins.
+    search looks at the re-anchored run and, unless that gains little or is lost at once, one at the free run; the point
+    that does best by both together wins.
     """
     problem, centre = trials[0].problem, fit.found.point
     known, added = len(centre), len(problem.unknowns) - len(centre)
@@ -311,8 +326,14 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     found = []
     takes_long = effect.is_chaotic or fit.model.effects
     size, generations = SHORT if takes_long else QUICK
+    promising = PROMISING * float(errors(replace(fit.problem, is_anchored=True), centre[None, :])[0])
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
-        best = roam(each, origin, shape, box, size=size, generations=generations, enough=problem.noise_error)
+        effort = Effort(size=size, generations=generations, enough=problem.noise_error)
+        if each.is_anchored:
+            effort["promising"] = promising
+        best = roam(each, origin, shape, box, **effort)
+        if each.is_anchored and best.error > promising:
+            return problem, Found(best.point, float(errors(problem, best.point[None, :])[0]))
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
 
     def misfit(point: np.ndarray) -> float:

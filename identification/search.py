@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -23,6 +24,9 @@ SETTLING_REACH, SETTLING_EVALUATIONS = 0.1, 50
 
 CONVERGED = 1e-2
 """Spread of the errors of a global search's points, over their mean, at which a local search goes on."""
+
+LOOKED = 16
+"""Generations after which a global search must have come below an error that was set, or ends."""
 
 RENEWED_SERIES = 3
 """After how many steps at least the derivative is taken anew where a series of unknowns makes it dear."""
@@ -168,6 +172,8 @@ class Effort(TypedDict, total=False):
     generations : int
     enough : float
         Error at which the search ends early.
+    promising : float
+        Error that it must have come down to after `LOOKED` generations, or it ends then.
     seed : int
         The search is deterministic for a seed.
     start : array, shape (m,), or None
@@ -177,6 +183,7 @@ class Effort(TypedDict, total=False):
     size: Required[int]
     generations: Required[int]
     enough: float
+    promising: float
     seed: int
     start: np.ndarray | None
 
@@ -218,7 +225,8 @@ def roam_over(
     from scipy.optimize import differential_evolution
 
     def end_early(intermediate_result: OptimizeResult) -> None:
-        if intermediate_result.fun <= effort.get("enough", 0.0):
+        is_vain = intermediate_result.nit == LOOKED and intermediate_result.fun > effort.get("promising", math.inf)
+        if intermediate_result.fun <= effort.get("enough", 0.0) or is_vain:
             raise StopIteration
 
     generator = np.random.default_rng(effort.get("seed", 0))

@@ -6,7 +6,7 @@ from blind_fits import fits_to_plant
 
 from identification.extension import extend
 from identification.screening import placed, screened
-from identification.search import roam_over
+from identification.search import LOOKED, roam_over
 from valvemodel.effects import effect_of_key
 
 KEY = "position_dependent_friction"
@@ -47,3 +47,19 @@ def test_a_search_over_a_box_finds_the_least_of_many_minima():
     point, error = roam_over(ripples, [(-1.0, 1.0)] * 2, size=16, generations=80)
     assert np.abs(point - 0.3).max() < 0.02
     assert error == pytest.approx(ripples(point[None, :])[0])
+
+
+def test_a_search_ends_early_where_it_has_not_come_down_far_enough():
+    asked: list[int] = []
+
+    def hill(points: np.ndarray) -> np.ndarray:
+        asked.append(len(points))
+        return np.sum(points**2, axis=1)
+
+    def generations(promising: float) -> int:
+        asked.clear()
+        roam_over(hill, [(-1.0, 1.0)] * 5, size=2, generations=40, promising=promising)
+        return len(asked) - 1
+
+    assert generations(0.0) == LOOKED
+    assert generations(1.0) == 40
