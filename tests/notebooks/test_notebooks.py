@@ -34,12 +34,20 @@ def code_of(path: Path) -> list:
 
 
 def shown(cell) -> list[str]:
-    """What a cell shows and in which forms, its numbers masked: they may differ in the last digit elsewhere."""
-    texts = []
+    """What a cell shows and in which forms, its numbers masked: they may differ in the last digit elsewhere.
+
+    How often a stream is flushed on the way is a matter of time: what follows on the same stream is one text.
+    """
+    texts: list[str] = []
+    stream = None
     for output in cell.outputs:
         data = output.get("data", {})
-        text = output.get("text") or data.get("text/plain", "")
-        texts.append(" ".join([output.output_type, *sorted(data), *NUMBER.sub("#", text).split()]))
+        text = " ".join(NUMBER.sub("#", output.get("text") or data.get("text/plain", "")).split())
+        if stream is not None and output.get("name") == stream:
+            texts[-1] += " " + text
+        else:
+            texts.append(" ".join([output.output_type, *sorted(data), text]))
+        stream = output.get("name")
     return texts
 
 
