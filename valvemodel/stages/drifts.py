@@ -19,7 +19,7 @@ STEEPEST = 3.0 * math.sqrt(3.0) / 8.0
 """Steepest fall of 1/(x^2 + 1), where x^2 = 1/3: of eq. (16) in the gap."""
 
 LATE_UNDER_LOAD = 0.5
-"""What a stem under a held load is late by in root mean square, over what the load's usual slope gives: it rests too."""
+"""What a stem under a held load is late by in root mean square, over what its usual slope gives: it also rests."""
 
 
 @compiled
