@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from importlib import import_module
 from typing import Any, NoReturn
 
 import click
 
+from valvemodel.commands.interruption import listen
 from valvemodel.commands.trouble import BadInput, Interrupted
 from valvemodel.errors import InputError, unknown_name
 
@@ -59,21 +59,6 @@ def command_line() -> None:
 def main() -> NoReturn:
     """Run the command line and end the process with its status: 0 done, 2 bad input, 130 interrupted."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt(os.getpid()))
+    listen()
     command_line.main(prog_name="valvemodel")
     sys.exit(0)
-
-
-def _interrupt(main_process: int) -> Any:
-    """Return what Ctrl-C and `kill` do: workers end silently, the main process sends its workers home and stops."""
-
-    def interrupt(number: int, frame: object) -> None:
-        if os.getpid() != main_process:
-            os._exit(128 + number)
-        if multiprocessing := sys.modules.get("multiprocessing"):
-            for worker in multiprocessing.active_children():
-                worker.terminate()
-        raise KeyboardInterrupt
-
-    return interrupt
