@@ -12,6 +12,9 @@ from valvemodel.stages.nodes import first_fall, fit_powers, left_out
 ROUNDING = 1e-12
 """Share of the supply below which two pressures are equal."""
 
+INSTANT = 1e-10
+"""What a limited rate makes up for within this takes no time: a stem moves by less than a nanometre. [s]"""
+
 LEAST_ROOT = 1e-3
 """Where no pressure is left to vent, or the supply is reached, orifices would act at once; about a thousandth of P1."""
 
@@ -48,7 +51,8 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
     lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
     speed = side * (aims[1] - aims[0]) / spacing
     is_limited = slowness > 0.0 and (
-        lead * slowness > time_constant + rounding * slowness or (time_constant == 0.0 and speed * slowness > 1.0)
+        lead * slowness > time_constant + INSTANT + rounding * slowness
+        or (time_constant == 0.0 and speed * slowness > 1.0)
     )
     if is_limited:
         for node in range(count + 1):
@@ -78,7 +82,7 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
     if slowness > 0.0:
         for node in range(count + 1):
             lead = side * (aims[node] - pressures[node]) * quickness(p, pressures[node], aims[node])
-            memory.forces[node] = time_constant / slowness - lead + 2.0 * rounding
+            memory.forces[node] = (time_constant + INSTANT) / slowness - lead + 2.0 * rounding
         end = min(end, first_fall(count, memory.forces, memory.powers))
     return end
 

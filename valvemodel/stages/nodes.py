@@ -105,6 +105,8 @@ def fall_between(count, powers, low, high):
             high = place
         following = place - value / slope if slope < 0.0 else 0.5 * (low + high)
         if abs(following - place) <= 1e-14 * high:
+            # Seen from before the fall alone, its other side is still where the search began.
+            high = min(high, max(following, place) + 1e-14 * high)
             break
         place = following if low < following < high else 0.5 * (low + high)
     return high

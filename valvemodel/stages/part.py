@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.amplifier import lay_amplifier
+from valvemodel.stages.amplifier import INSTANT, lay_amplifier
 from valvemodel.stages.chamber import lay_chamber
 from valvemodel.stages.electromagnet import accept_currents, advance_flux, gap_of_current, lay_currents
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, left_out, value_at
@@ -85,8 +85,10 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
     while True:
         kept = allowed_force(p, state, tolerance, max(length, p.fill_time + p.vent_time)) / p.diaphragm_area
         end = lay_nodes(p, state, memory, drive, time, length / count, count, slack, kept)
-        if end < count and length > SHORTEST_PART:
-            length = max(length * end / count, SHORTEST_PART)
+        # A pressure at a limited rate would be far beyond its aim a moment later.
+        shortest = SHORTEST_PART if p.filling_slowness == 0.0 else INSTANT
+        if end < count and length > shortest:
+            length = max(length * end / count, shortest)
             continue
         fit_powers(count, memory.pressures, memory.part_powers)
         off = left_out(count, memory.part_powers) * p.diaphragm_area
