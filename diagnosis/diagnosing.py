@@ -292,7 +292,7 @@ def diagnose_with(
     whole_base = fitted_to_all(base, experiments)
     causes[0] = replace(with_parameters(causes[0], whole), hiding=hiding)
     stage_gaps = where_of(experiments, whole_base)
-    stage_probability = stage_probabilities(tried, judgement, stage_gaps.measured_shares)
+    stage_probability = stage_probabilities(verdict, tried, judgement, stage_gaps.measured_shares)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]

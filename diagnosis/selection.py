@@ -23,6 +23,13 @@ LEADERS = 2
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
+MORE_LEADERS = 3
+"""Further causes that are tried with one more effect where no pair of the leaders explains the record: what comes
+nearest alone may stand in for two."""
+
+SHORTLIST_BEHIND, BEST_BEHIND = 2, 2
+"""Effects that are tried beside each of those, by what they promise and because they are the best alone."""
+
 SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
 
@@ -141,6 +148,12 @@ def try_together(
                 tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, settles)
             if any(map(settles, tried)):
                 break
+        if size == 2:
+            for leader in behind(order, leaders):
+                if any_explains(tried):
+                    break
+                work = beside_what_is_behind(leader, tried, single, pool)
+                tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
         if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
             break
         if not settles(best_of(tried, size)[0]):
@@ -198,6 +211,12 @@ def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
     plain = [each for each in order if not each.has_series]
     leaders = [each for each in unlike(plain)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(plain[0])]
     return [*order[:1], *leaders] if order[0].has_series else leaders
+
+
+def behind(order: Sequence[Candidate], leaders: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, of some in their order, that lead where no pair of the leaders explains the record."""
+    others = [each for each in order if not each.has_series and all(each is not leader for leader in leaders)]
+    return [each for each in others if misfit(each) < FAR_BEHIND * misfit(order[0])][:MORE_LEADERS]
 
 
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
@@ -283,6 +302,21 @@ def extensions(
             else:
                 work.append(Work(leader.fit, effects, is_global, single[key]))
     return worthwhile(work, tried)
+
+
+def beside_what_is_behind(
+    leader: Candidate, tried: Sequence[Candidate], single: dict[str, dict[str, float]], pool: Executor | None
+) -> list[Work]:
+    """Return what is tried on top of a cause that is no leader: the best alone, and what promises most.
+
+    A pair that was tried in the other order is tried again: the first of it may have led the search astray.
+    """
+    best = [each.effects[0] for each in unlike(best_of(tried, 1))[:BEST_BEHIND]]
+    certain = [key for key in best if key not in leader.effects]
+    keys = shortlist(leader.fit, single, certain, SHORTLIST_BEHIND, pool)
+    known = {each.effects for each in tried}
+    work = [Work(leader.fit, (*leader.effects, key), False, single[key]) for key in keys]
+    return worthwhile([each for each in work if each.effects not in known], tried)
 
 
 def unlike(causes: Sequence[Candidate]) -> list[Candidate]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from diagnosis.judgement import SUREST_UNKNOWN, Judgement
+from diagnosis.judgement import Judgement
 from diagnosis.trying import Candidate
 from valvemodel.declarations import STAGES
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
 
 ALIKE = 2.0
@@ -23,14 +23,19 @@ MOST_OPEN = 2
 
 
 def stage_probabilities(
-    candidates: Sequence[Candidate], judgement: Judgement, measured: Sequence[tuple[tuple[str, ...], float]] = ()
+    verdict: str,
+    candidates: Sequence[Candidate],
+    judgement: Judgement,
+    measured: Sequence[tuple[tuple[str, ...], float]] = (),
 ) -> dict[str, float]:
     """Return the probability that the gap lies in each stage; the rest to 1 is that of no effect.
 
-    A cause of several stages counts in each by its share, an unknown cause by what resembles it.
+    A cause of several stages counts in each by its share, an unknown cause by what resembles it. Where the verdict is
+    an unknown cause, it is that one which is placed: what came nearest is not it, and says nothing for its own stage.
 
     Parameters
     ----------
+    verdict : str
     candidates : sequence of Candidate
     judgement : Judgement
     measured : sequence of (stages, share)
@@ -38,14 +43,12 @@ def stage_probabilities(
         cause resembles is only asked within a part.
     """
     hints = resemblance(candidates)
-    is_explained = judgement.unknown < SUREST_UNKNOWN
-    unknown = judgement.unknown if is_explained else 1.0
+    unknown = 1.0 if verdict == "unknown" else judgement.unknown
     shares = {stage: unknown * hint for stage, hint in hints.items()}
     for stages, share in measured:
         within = sum(hints[stage] for stage in stages)
         shares |= {stage: unknown * share * hints[stage] / within for stage in stages}
-    if not is_explained:
-        # That a search may have missed the cause says nothing for the stage of what came nearest.
+    if verdict == "unknown":
         return shares
     for candidate, probability in zip(candidates, judgement.probabilities, strict=True):
         for key in candidate.effects:
@@ -57,8 +60,9 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     """Return how much the gap resembles the effects of each stage, as shares of 1.
 
     An effect alone hints at its stage by the logarithm of how far it brings the error down, and more at the stages of
-    the effects that are declared to look like it elsewhere: it was tried and fell short, so that what it stands in for
-    is rather one of these. Where nothing helps, a stage counts by the number of effects that are known in it.
+    the effects elsewhere that are declared to look like it, or it like them: it was tried and fell short, so that what
+    it stands in for is rather one of these. Where nothing helps, a stage counts by the number of effects that are known
+    in it.
     """
     hints = {stage: FOREHAND * sum(effect.stage == stage for effect in EFFECTS) / len(EFFECTS) for stage in STAGES}
     base = candidates[0].score.misfit
@@ -68,7 +72,7 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
         effect = effect_of_key(candidate.effects[0])
         hint = max(math.log(base / max(candidate.score.misfit, 1.0)), 0.0)
         hints[effect.stage] += hint
-        elsewhere = {effect_of_key(key).stage for key in effect.aliases if key != "none"} - {effect.stage}
+        elsewhere = {other.stage for other in EFFECTS if are_aliases(effect.key, other.key)} - {effect.stage}
         for stage in elsewhere or {effect.stage}:
             hints[stage] += ALIKE * hint / max(len(elsewhere), 1)
     total = sum(hints.values())

@@ -9,8 +9,11 @@ from diagnosis import selection
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.selection import (
     FAR_BEHIND,
+    MORE_LEADERS,
     NO_GAIN,
     SETTLED_SHARE,
+    behind,
+    beside_what_is_behind,
     exchanged,
     extensions,
     is_settled,
@@ -41,6 +44,24 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
     assert leaders_of([load, best, near, far]) == [load, best, near]
     assert leaders_of([best, near, load]) == [best, near]
     assert leaders_of([load]) == [load]
+
+
+def test_causes_behind_the_leaders_lead_in_their_order():
+    load, best = waves(2.0, "load_force"), candidate(20.0, "coil_lag")
+    others = [candidate(21.0 + place, key) for place, key in enumerate(("area_variation", "air_leak", "end_stop"))]
+    far = candidate(2.0 * FAR_BEHIND * 20.0, "gap_drift")
+    assert behind([best, *others, load, far], [best]) == others
+    assert len(behind([best, *others, candidate(25.0, "supply_droop")], [best])) == MORE_LEADERS
+
+
+def test_a_pair_that_its_first_effect_led_astray_is_tried_in_the_other_order(monkeypatch):
+    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: {key: len(key) for key in starts})
+    tried = [candidate(40.0), candidate(9.0, "supply_droop"), candidate(10.0, "asymmetric_friction")]
+    tried += [candidate(9.0, "supply_droop", "asymmetric_friction"), candidate(9.0, "asymmetric_friction", "gap_drift")]
+    single = {key: {} for key in ("supply_droop", "asymmetric_friction", "coil_lag", "end_stop", "gap_drift")}
+    work = beside_what_is_behind(tried[2], tried, single, None)
+    assert [each.effects[1] for each in work] == ["supply_droop", "coil_lag"]
+    assert all(each.fit is tried[2].fit for each in work)
 
 
 @pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])

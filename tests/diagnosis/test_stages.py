@@ -39,20 +39,33 @@ def test_where_nothing_helps_stages_count_by_the_effects_known_in_them():
 
 def test_probabilities_of_the_stages_and_of_no_effect_sum_to_one():
     tried = [candidate(9.0), candidate(2.0, "coil_lag"), candidate(1.5, "coil_lag", "end_stop")]
-    shares = stage_probabilities(tried, Judgement(np.array([0.1, 0.3, 0.4]), 0.2, np.zeros(3)))
+    shares = stage_probabilities("effect", tried, Judgement(np.array([0.1, 0.3, 0.4]), 0.2, np.zeros(3)))
     assert sum(shares.values()) == pytest.approx(0.9)
     assert shares["electromagnet"] > 0.5 > shares["stem"] >= 0.2
 
 
+def test_likeness_that_one_effect_declares_holds_for_both():
+    # Presliding declares that it looks like play of the linkage, not the other way round.
+    hints = resemblance([candidate(50.0), candidate(5.0, "linkage_backlash")])
+    assert hints["stem"] > hints["sensor"]
+
+
+def test_where_the_cause_is_unknown_the_nearest_ones_do_not_speak_for_their_own_stage():
+    tried = [candidate(50.0), candidate(4.0, "magnetic_hysteresis"), candidate(4.1, "spring_hardening")]
+    judgement = Judgement(np.array([0.0, 0.05, 0.35]), 0.6, np.zeros(3))
+    assert stage_probabilities("unknown", tried, judgement) == pytest.approx(resemblance(tried))
+    assert stage_probabilities("effect", tried, judgement)["stem"] > 0.35
+
+
 def test_where_a_pressure_was_measured_resemblance_is_asked_within_each_half():
     # Where a lag of the coil fell short, the nozzle lags rather.
-    tried = [candidate(50.0), candidate(20.0, "friction_drift"), candidate(40.0, "coil_lag")]
+    tried = [candidate(50.0), candidate(20.0, "position_dependent_friction"), candidate(40.0, "coil_lag")]
     judgement = Judgement(np.zeros(3), 1.0, np.zeros(3))
     halves = [(("electromagnet", "nozzle"), 0.9), (("stem", "sensor"), 0.1)]
-    shares = stage_probabilities(tried, judgement, halves)
+    shares = stage_probabilities("unknown", tried, judgement, halves)
     assert shares["electromagnet"] + shares["nozzle"] == pytest.approx(0.9)
     assert shares["nozzle"] > shares["electromagnet"]
-    assert stage_probabilities(tried, judgement)["stem"] > 0.5
+    assert stage_probabilities("unknown", tried, judgement)["stem"] > 0.5
 
 
 def test_stages_left_open():
