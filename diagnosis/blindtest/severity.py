@@ -79,6 +79,10 @@ def sized(truth: Truth, formulation: Formulation, scale: Scale, *, noise: float,
     for _ in range(SEARCHES):
         trial = judged(truth.scaled(name, value), scale, noise)
         shown = max(trial.visibility if truth.nuisance else trial.unabsorbed, 1e-6)
+        if not np.isfinite(shown):
+            # The valve runs away, as where its diaphragm grows faster than its spring holds.
+            high, value, before = value, float(np.sqrt(low * value)), None
+            continue
         miss = float(np.log(shown / target))
         if abs(miss) < closest:
             best, closest = trial, abs(miss)

@@ -60,6 +60,13 @@ def test_base_does_not_depend_on_the_effects():
     assert draw_plant(8, ("coil_lag",)).base == draw_plant(8, ("sensor_lag", "end_stop")).base
 
 
+def test_a_size_at_which_the_valve_runs_away_is_too_large():
+    # Its first guess at a quadratic growth of the area has no finite motion.
+    (growth, *_) = draw_plant(119687888, ("area_variation",)).effects
+    assert growth.parameters["change"] < 0.06
+    assert 5.0 < growth.unabsorbed < 40.0
+
+
 def test_unknown_and_doubled_effects_are_refused():
     with pytest.raises(ValueError, match="no effect is named rust"):
         draw_plant(1, ("rust",))
