@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -98,9 +97,9 @@ def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
         blocks = np.unique(experiment.block[mask])
         last = experiment.block.max() + 1
         by_block = np.bincount(experiment.block, error**2, last)[blocks]
-        counted = np.where(mask, experiment.errors_of(one)[0], 0.0)
-        counted = np.where(np.isfinite(counted), counted, LOST / experiment.noise)
-        total = np.bincount(experiment.block, counted**2 + mask * within_steps(experiment, one), last)[blocks]
+        counted = np.where(mask, squares_of(experiment, one), 0.0)
+        counted = np.where(np.isfinite(counted), counted, (LOST / experiment.noise) ** 2)
+        total = np.bincount(experiment.block, counted, last)[blocks]
         if experiment.pressure is not None:
             off = np.where(mask, (experiment.pressure - one.pressure[0]) / experiment.pressure_noise, 0.0)
             total = total + np.bincount(experiment.block, off**2, last)[blocks]
@@ -112,14 +111,21 @@ def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
     return Errors(np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), signals, max(persistence))
 
 
-def within_steps(experiment: Experiment, simulated: Simulated) -> float:
-    """Return what a sample counts for the right model beside its error: 1 with noise is what it is to come to.
+def squares_of(experiment: Experiment, simulated: Simulated) -> np.ndarray:
+    """Return the squared errors of one row's positions, shape (n,): 1 in the mean where the noise is reached. [noise^2]
 
-    Noise alone takes a reading in coarse steps beyond half a step only near the steps' edges.
+    A reading in coarse steps s tells of an error d only where it lies beyond half a step of the model's: by v, of which
+    the mean over all places between two steps is d^2/(2 s), noise in the same way. So 2 s v is the squared error that a
+    sample tells of, up to a whole step; beyond that v (s + v), as the mean of v is then |d| - s/2.
     """
     if simulated.step == 0.0:
-        return 0.0
-    return max(1.0 - 2.0 / 3.0 * math.sqrt(2.0 / math.pi) * experiment.noise / simulated.step, 0.0)
+        return experiment.errors_of(simulated)[0] ** 2
+    step = simulated.step
+    beyond = np.maximum(np.abs(experiment.position - simulated.smooth[0]) - 0.5 * step, 0.0)
+    squares = beyond * (step + np.maximum(beyond, step)) / experiment.noise**2
+    if not experiment.has_stairs:
+        return squares
+    return experiment.reach**2 * np.log1p(squares / experiment.reach**2)
 
 
 def persistence_of(error: np.ndarray) -> float:

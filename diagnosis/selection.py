@@ -10,7 +10,8 @@ from functools import partial
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
-from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all
+from diagnosis.judgement import is_felt
+from diagnosis.trying import Candidate, Progress, Work, never, promises, sharpen_all, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
@@ -100,11 +101,14 @@ def try_alone(
 
     A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
 
-    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found.
+    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
+    reading comes nearest, all that a local search finds is tried beside it first, which costs little.
     """
     tried = [base]
     has_stops = stops_seen(base.fit)
     for round_of in rounds(library):
+        if effect_of_key(round_of[0]).is_jagged:
+            tried += beside_reading(tried, holdout, pool, progress)
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
         ends = [each for each in tried if explains(each, base)]
         if effect_of_key(round_of[0]).is_jagged and ends:
@@ -113,6 +117,15 @@ def try_alone(
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
         tried += try_all(work, holdout, pool, progress, "effects one by one")
     return tried
+
+
+def beside_reading(
+    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try all effects beside one that is read off the record, where that comes nearest and leaves something."""
+    nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
+    work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)
+    return try_all(work, holdout, pool, progress, "2 effects together")
 
 
 def try_together(
@@ -130,8 +143,7 @@ def try_together(
     """
     base, tried = first[0], list(first)
     settles = partial(is_settled, base=base)
-    alone = [each for each in tried if len(each.effects) == 1]
-    single = {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone}
+    single = values_alone(tried)
     for size in range(2, MOST_EFFECTS + 1):
         if any_explains(tried, generous=size > 2):
             break
@@ -144,8 +156,10 @@ def try_together(
         what = f"{size} effects together"
         for leader in leaders:
             work = extensions([leader], tried, single, SHORTLIST, pool)
+            # Readings in coarse steps tell less: what is not alike may come as near.
+            until = settles if not is_read_off(leader) else never
             for part in (local(work), wide(work)):
-                tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, settles)
+                tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, until)
             if any(map(settles, tried)):
                 break
         if size == 2:
@@ -154,6 +168,7 @@ def try_together(
                     break
                 work = beside_what_is_behind(leader, tried, single, pool)
                 tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
+            tried = with_better(tried, try_all(left_alone(tried), holdout, pool, progress, what))
         if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
             break
         if not settles(best_of(tried, size)[0]):
@@ -267,7 +282,8 @@ def extensions(
 ) -> list[Work]:
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice.
 
-    A whole series of waves is laid on top of the other effect, and bears no third.
+    A whole series of waves is laid on top of the other effect, and bears no third. What is read off the record and has
+    no numbers to fit is laid on top of all others: a fit beside it follows none but the readings at its steps' edges.
     """
     known = {frozenset(each.effects) for each in tried}
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
@@ -286,16 +302,19 @@ def extensions(
         takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
         stopping = [] if has_cause else stopping_on(leader.fit, single)
         best = alone[:BEST_ON_SERIES] if leader.has_series else alone
+        if is_read_off(leader):
+            best = [*alone, *(key for key in single if not effect_of_key(key).takes_long)]
         called = (*best, *plain, *(hiding if explains(leader, tried[0], generous=True) else ()))
         certain = list(dict.fromkeys([*stopping, *(key for key in called if key not in leader.effects)]))
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
+        is_on_top = leader.has_series or is_read_off(leader)
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
             if frozenset(effects) in known:
                 continue
             known.add(frozenset(effects))
             is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
-            if leader.has_series:
+            if is_on_top:
                 # On top of the few unknowns of the other, not of the many of a series.
                 (own,) = leader.effects
                 work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
@@ -319,6 +338,34 @@ def beside_what_is_behind(
     return worthwhile([each for each in work if each.effects not in known], tried)
 
 
+def left_alone(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the causes of one effect that came nearer beside another which leaves no trace, as work from there.
+
+    The search for it alone had ended beside the least error.
+    """
+    alone = {each.effects[0]: each for each in best_of(tried, 1)}
+    work: dict[str, Work] = {}
+    pairs = best_of(tried, 2)
+    idle = [each for each in pairs if not is_felt(each) and misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
+    for pair in idle:
+        for key in pair.effects:
+            if misfit(pair) < NO_GAIN * misfit(alone[key]):
+                known = dict(pair.fit.model.effects[key])
+                work.setdefault(key, Work(tried[0].fit, (key,), False, known, kin=pair.fit))
+    return list(work.values())
+
+
+def values_alone(tried: Sequence[Candidate]) -> dict[str, dict[str, float]]:
+    """Return the values of each effect as fitted alone. [SI]"""
+    alone = [each for each in tried if len(each.effects) == 1]
+    return {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone}
+
+
+def is_read_off(candidate: Candidate) -> bool:
+    """Return whether a cause has no numbers to fit, as a grid of readings that the record shows."""
+    return bool(candidate.effects) and not any(effect_of_key(key).fitted for key in candidate.effects)
+
+
 def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
     """Return causes without those that differ from one before them by a declared alias.
 
@@ -337,11 +384,11 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
     pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
     known = {each.effects for each in tried}
-    series = {key for each in best_of(tried, 1) if each.has_series for key in each.effects}
+    on_top = {each.effects[0] for each in best_of(tried, 1) if each.has_series or is_read_off(each)}
     return [
         Work(alone[second], (second, first), False, single[first])
         for first, second in pairs
-        if (second, first) not in known and not effect_of_key(first).is_jagged and second not in series
+        if (second, first) not in known and not effect_of_key(first).is_jagged and second not in on_top
     ]
 
 

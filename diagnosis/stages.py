@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from diagnosis.judgement import Judgement
 from diagnosis.trying import Candidate
+from identification.hints import coarsest_grid
 from valvemodel.declarations import STAGES
 from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
@@ -62,7 +65,7 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     An effect alone hints at its stage by the logarithm of how far it brings the error down, and more at the stages of
     the effects elsewhere that are declared to look like it, or it like them: it was tried and fell short, so that what
     it stands in for is rather one of these. Where nothing helps, a stage counts by the number of effects that are known
-    in it.
+    in it. Coarse steps that the readings themselves show hint at the sensor by what they leave.
     """
     hints = {stage: FOREHAND * sum(effect.stage == stage for effect in EFFECTS) / len(EFFECTS) for stage in STAGES}
     base = candidates[0].score.misfit
@@ -75,8 +78,16 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
         elsewhere = {other.stage for other in EFFECTS if are_aliases(effect.key, other.key)} - {effect.stage}
         for stage in elsewhere or {effect.stage}:
             hints[stage] += ALIKE * hint / max(len(elsewhere), 1)
+    hints["sensor"] += max(math.log(base / max(base - left_by_steps(candidates[0]), 1.0)), 0.0)
     total = sum(hints.values())
     return {stage: hint / total for stage, hint in hints.items()}
+
+
+def left_by_steps(base: Candidate) -> float:
+    """Return the mean square that the coarse steps of the readings leave, up to that of the base. [noise^2]"""
+    experiments = base.fit.problem.experiments
+    left = float(np.mean([coarsest_grid(each)[0] ** 2 / 12.0 / each.noise**2 for each in experiments]))
+    return min(left, base.score.misfit)
 
 
 def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[tuple[str, ...]]) -> list[str]:

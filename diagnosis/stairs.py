@@ -87,10 +87,13 @@ def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment
 def makes_stairs(base: Fit) -> bool:
     """Return whether an effect that makes the stem stop again and again explains much of what is left.
 
-    A reading in coarse steps does not count: no slip comes early in it.
+    A reading in coarse steps does not count: no slip comes early in it. Where the readings show such steps, an effect
+    must explain much of what these leave.
     """
     makers = [each for each in EFFECTS if each.breakaway and not each.is_chaotic]
+    readings = [extend(base, each.key) for each in EFFECTS if not each.fitted]
+    least = min((base, *readings), key=lambda fit: fit.found.error)
     return any(
-        bool(slips_by(base, each)) or extend(base, each.key, slips=[]).found.error < STEPPED * base.found.error
+        bool(slips_by(base, each, least)) or extend(base, each.key, slips=[]).found.error < STEPPED * least.found.error
         for each in makers
     )

@@ -126,13 +126,18 @@ def trace_of(fit: Fit, holdout: Holdout) -> float:
     return min(changes)
 
 
+def never(candidate: Candidate) -> bool:
+    """Return that a cause is not all that is wanted."""
+    return False
+
+
 def try_all(
     work: Sequence[Work],
     holdout: Holdout,
     pool: Executor | None,
     progress: Progress,
     what: str,
-    until: Callable[[Candidate], bool] = lambda candidate: False,
+    until: Callable[[Candidate], bool] = never,
 ) -> list[Candidate]:
     """Try a list of extensions in turn, on all cores where there is a pool, up to one that is all that is wanted."""
     done: list[Candidate] = []

@@ -23,6 +23,9 @@ BLOCK_TIME = 3.0
 ANCHOR_INTERVAL = 2.0
 """Usual time between two anchors. [s]"""
 
+HALF_A_STEP = 0.5
+"""Steps of a coarse reading within which a model is right."""
+
 ANCHOR_REACH = 3
 """Readings on either side that an anchor is the mean of."""
 
@@ -123,14 +126,14 @@ class Experiment:
         places = (self.position[np.isfinite(self.position)] - offset) / step
         return float(np.std(places - np.round(places))) < min(NEAR_STEPS, BESIDE_STEPS * self.noise / step)
 
-    def errors_of(self, simulated: Simulated) -> np.ndarray:
+    def errors_of(self, simulated: Simulated, within: float = HALF_A_STEP) -> np.ndarray:
         """Return measured less simulated positions, shape (rows, n), as they count: squared and summed. [noise]
 
-        A model that reads in coarse steps is right where it was within half a step of the reading.
+        A model that reads in coarse steps is right where it was within half a step of the reading, or so many steps.
         """
         error = self.position - simulated.smooth
         if simulated.step > 0.0:
-            error = np.copysign(np.maximum(np.abs(error) - 0.5 * simulated.step, 0.0), error)
+            error = np.copysign(np.maximum(np.abs(error) - within * simulated.step, 0.0), error)
         error = error / self.noise
         if not self.has_stairs:
             return error
@@ -252,7 +255,7 @@ def _without_steps(experiment: Experiment, rows: np.ndarray) -> tuple[float, flo
         step = 0.0
     else:
         rows["resolution"] = 0.0
-    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise + 0.5 * step
+    rows["anchor_tolerance"] = ANCHOR_TOLERANCE * experiment.noise + HALF_A_STEP * step
     return step, offset
 
 
@@ -287,7 +290,7 @@ def score_rows(
     def score(part: slice) -> None:
         runs.score_rows(
             rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
-            0.5 * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
+            HALF_A_STEP * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
             np.empty((1, len(measured))), sums[part],
         )  # fmt: skip
 

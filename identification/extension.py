@@ -13,7 +13,7 @@ from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened
-from identification.search import Effort, Found, descend, errors, principal_directions, roam
+from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -83,8 +83,8 @@ def extend(
     known : dict or None
         Values of the effect from another fit, one more start. [SI]
     kin : Fit or None
-        The fit extended by a kindred effect: where that explains much, its base valve is the start, in place of a
-        global search.
+        The fit extended by a kindred effect, or by this one beside another: where that explains much, its base valve is
+        the start, in place of a global search.
     is_global : bool
         Whether an effect whose error has many minima is searched for globally, which takes seconds.
     worth : float
@@ -105,7 +105,7 @@ def extend(
     if not begun:
         return extended(fit, effect, known, kin, is_global=is_global, worth=worth)
     problem, best = search_near(begun)
-    stepped = finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    stepped = finished(problem, descend_to_end(problem, best.point))
     if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
         return stepped
     # Breakaways of another law lie on no line.
@@ -123,7 +123,7 @@ def extended(
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
-        return finished(*beside(fit, effect, kin))
+        return finished(*beside(fit, effect, kin, known))
     trials = screened(fit, effect, known)
     if effect.takes_long and trials[0].gain < WORTH_LONG * 2.0 * fit.found.error:
         return finished(*at_neutral(fit, effect))
@@ -145,7 +145,7 @@ def extended(
     if best.error < WORTH_FOLLOWING * fit.found.error:
         # Another form may be lost in a side minimum: it goes on from where the best one came, too.
         begun += [(each, best.point) for each, _ in searched if is_another_form(effect, each, problem)]
-    ended = [(each, descend(each, point, evaluations=20, precision=1e-6)) for each, point in begun]
+    ended = [(each, descend_to_end(each, point)) for each, point in begun]
     return finished(*min(ended, key=lambda pair: pair[1].error))
 
 
@@ -153,8 +153,11 @@ def extended(
 def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
     effect = effect_of_key(key)
-    problem, best = followed(fit, effect, [Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)])
-    return finished(problem, descend(problem, best.point, evaluations=20, precision=1e-6))
+    start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
+    if not effect.fitted:
+        return finished(start.problem, descend_to_end(start.problem, start.point))
+    problem, best = followed(fit, effect, [start])
+    return finished(problem, descend_to_end(problem, best.point))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -219,11 +222,11 @@ def neutral_in(effect: Effect, trial: Trial) -> frozenset[str]:
     return frozenset(each.name for each in effect.parameters if values[each.name] == each.neutral)
 
 
-def beside(fit: Fit, effect: Effect, kin: Fit) -> tuple[Problem, Found]:
+def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = None) -> tuple[Problem, Found]:
     """Follow the best starts of an effect down from the base valve that was fitted with a kindred one."""
-    known = kin.found.point[: len(fit.unknowns)]
-    starts = starts_of(effect, list(fit.problem.experiments), residual_positions(fit))
-    begun = [joined(fit.problem, known, effect, start) for start in starts]
+    valve = kin.found.point[: len(fit.unknowns)]
+    starts = [*starts_of(effect, list(fit.problem.experiments), residual_positions(fit)), *([known] if known else [])]
+    begun = [joined(fit.problem, valve, effect, start) for start in starts]
     begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
     return best_descended(begun[:KEPT_STARTS], first=8, further=15, precision=1e-4)
 

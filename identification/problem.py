@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from identification.experiment import Experiment, Simulated, simulate_rows
+from identification.experiment import HALF_A_STEP, Experiment, Simulated, simulate_rows
 from identification.unknowns import Unknown
 from valvemodel import runs
 from valvemodel.declarations import Effect
@@ -45,6 +45,8 @@ class Problem:
         Whether each run is put anew on its experiment's anchors, else it runs free.
     tolerance : float [m]
         Of the simulator.
+    within : float
+        Steps of a coarse reading within which an error does not count: fewer while a search comes nearer.
     """
 
     model: Model
@@ -53,6 +55,7 @@ class Problem:
     used: Sequence[np.ndarray]
     is_anchored: bool = False
     tolerance: float = SEARCH_TOLERANCE
+    within: float = HALF_A_STEP
     _rows: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -89,7 +92,7 @@ class Problem:
         parts = []
         for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
             simulated = self.simulated(points, number)
-            parts.append(experiment.errors_of(simulated)[:, used])
+            parts.append(experiment.errors_of(simulated, self.within)[:, used])
             if experiment.pressure is not None:
                 parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
         parts.append(points / self.prior_spreads)
@@ -107,6 +110,12 @@ class Problem:
             with_pressure=experiment.pressure is not None,
             in_closed_form=self.settles,
         )
+
+    @cached_property
+    def is_in_steps(self) -> bool:
+        """Whether the model reads in coarse steps that an experiment's readings come in as well."""
+        step, offset = float(self._rows["resolution"][0]), float(self._rows["resolution_offset"][0])
+        return any(each.comes_in_steps(step, offset) for each in self.experiments)
 
     @cached_property
     def settles(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Required, TypedDict, Unpack
 
@@ -27,6 +27,13 @@ CONVERGED = 1e-2
 
 LOOKED = 16
 """Generations after which a global search must have come below an error that was set, or ends."""
+
+NARROWER = (0.25, 0.4)
+"""Steps of a coarse reading within which an error does not count while a search comes near: within half a step the
+error has many flat places."""
+
+END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 20, 1e-6, 1e-4
+"""Points of a search that is followed to its end, and the precision there and while it only comes near."""
 
 RENEWED_SERIES = 3
 """After how many steps at least the derivative is taken anew where a series of unknowns makes it dear."""
@@ -106,6 +113,28 @@ def descend(
         x_scale="jac",
     )
     return Found(result.x, float(result.cost))
+
+
+def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
+    """Follow the residuals down from a start to the end.
+
+    Where the readings come in coarse steps, those within half a step of the model's tell nothing: a search that first
+    lets more of them count comes nearer. It ends no worse than it began.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : array, shape (unknowns,)
+    """
+    follow = partial(descend, evaluations=END_EVALUATIONS)
+    if not problem.is_in_steps:
+        return follow(problem, start, precision=END_PRECISION)
+    point = start
+    for within in NARROWER:
+        point = follow(replace(problem, within=within), point, precision=NEAR_PRECISION).point
+    near = follow(problem, point, precision=END_PRECISION)
+    is_worse = near.error > float(errors(problem, start[None, :])[0])
+    return follow(problem, start, precision=END_PRECISION) if is_worse else near
 
 
 def errors(problem: Problem, points: np.ndarray) -> np.ndarray:

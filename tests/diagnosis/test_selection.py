@@ -112,6 +112,43 @@ def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(mo
     assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6, None) == []
 
 
+def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
+    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    reading, lag = candidate(5.0, "quantisation"), candidate(19.9, "coil_lag")
+    bristles, worse = candidate(9.0, "presliding"), candidate(21.0, "supply_droop")
+    tried = [candidate(20.0), reading, lag, bristles, worse]
+    single = selection.values_alone(tried)
+    work = extensions([reading], tried, single, 0, None)
+    assert [each.effects[0] for each in work] == ["presliding", "coil_lag", "supply_droop"]
+    assert all(each.effects[1] == "quantisation" and each.is_known for each in work)
+    assert all(each.known == {"size": 5.0} for each in work)
+    assert work[1].fit is lag.fit
+    # Bristles that explain little take too long.
+    slow = [tried[0], reading, candidate(19.9, "presliding")]
+    assert extensions([reading], slow, selection.values_alone(slow), 0, None) == []
+
+
+@pytest.mark.parametrize(("left", "count"), [(5.0, 1), (1.0, 0)])
+def test_beside_a_coarse_reading_all_is_tried_where_it_leaves_something(monkeypatch, left, count):
+    monkeypatch.setattr(selection, "try_all", lambda work, *_: list(work))
+    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "coil_lag")]
+    assert len(selection.beside_reading(tried, None, None, None)) == count
+    assert selection.beside_reading(tried[::2], None, None, None) == []
+
+
+@pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
+def test_an_effect_is_tried_alone_again_from_where_another_beside_it_left_no_trace(trace, alone, expected):
+    pair = replace(candidate(1.0, "sensor_lag", "asymmetric_viscous_friction"), trace=trace)
+    far = replace(candidate(9.0, "sensor_lag", "coil_lag"), trace=0.1)
+    base = candidate(36.0)
+    tried = [base, candidate(alone, "sensor_lag"), candidate(1.1, "asymmetric_viscous_friction")]
+    tried += [candidate(35.0, "coil_lag"), far, pair]
+    work = selection.left_alone(tried)
+    assert [each.effects for each in work] == [("sensor_lag",)] * expected
+    assert all(each.fit is base.fit and each.kin is pair.fit and each.known == {"size": 1.0} for each in work)
+
+
 @pytest.mark.parametrize(("misfit", "expected"), [(0.99 * AT_NOISE, True), (1.01 * AT_NOISE, False)])
 def test_a_whole_series_explains_a_record_at_its_noise_alone(misfit, expected):
     base = candidate(90.0)

@@ -12,8 +12,11 @@ from diagnosis.trying import Candidate
 from valvemodel.stages import EFFECTS
 
 
-def candidate(misfit: float, *effects: str) -> Candidate:
-    return Candidate(effects, None, SimpleNamespace(misfit=misfit))
+def candidate(misfit: float, *effects: str, step: float = 0.0) -> Candidate:
+    readings = np.random.default_rng(0).uniform(0.0, 0.1, 2000)
+    readings = step * np.round(readings / step) if step else readings
+    problem = SimpleNamespace(experiments=[SimpleNamespace(position=readings, noise=1e-4)])
+    return Candidate(effects, SimpleNamespace(problem=problem), SimpleNamespace(misfit=misfit))
 
 
 def test_what_fell_short_hints_at_its_stage_and_more_at_those_of_its_aliases():
@@ -75,3 +78,15 @@ def test_stages_left_open():
     assert open_stages("none", shares, []) == []
     # An effect that hides in the base, and was no candidate.
     assert open_stages("none", shares, [("linkage_backlash",)]) == ["sensor"]
+
+
+@pytest.mark.parametrize(("step", "is_named"), [(0.0, False), (5e-5, False), (4e-3, True)])
+def test_coarse_steps_of_the_readings_hint_at_the_sensor_by_what_they_leave(step, is_named):
+    # Steps of 4 mm leave 133 times the square of the noise.
+    hints = resemblance([candidate(134.0, step=step), candidate(100.0, "stribeck")])
+    assert (max(hints, key=lambda stage: hints[stage]) == "sensor") == is_named
+
+
+def test_coarse_steps_hint_at_little_where_they_leave_little():
+    hints = resemblance([candidate(4000.0, step=4e-3), candidate(2000.0, "stribeck")])
+    assert max(hints, key=lambda stage: hints[stage]) == "stem"
