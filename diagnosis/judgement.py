@@ -66,7 +66,7 @@ WITHIN_FORM = 5.0
 """The same for declared aliases that both explain the gap: they may differ by their form alone."""
 
 MOST_RIVALS = 2
-"""Rivals that are named beside a cause, the nearest ones: a longer list helps nobody to choose."""
+"""Rivals that are named beside a cause, the most probable ones: a longer list helps nobody to choose."""
 
 
 @dataclass(frozen=True)
@@ -192,12 +192,14 @@ def log_prior(candidate: Candidate) -> float:
 def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement) -> list[tuple[str, ...]]:
     """Return the causes, of no more effects, whose error on unseen data is like the chosen one's.
 
-    The empty cause means the base alone. A cause that only adds to the chosen one is no rival. Beside no effect at all
-    only those are that are declared to hide in the base: no record of current and position rules them out, while of
-    others it shows that they are weak.
+    The most probable come first. The empty cause means the base alone. A cause that only adds to the chosen one is no
+    rival. Beside no effect at all only those are that are declared to hide in the base: no record of current and
+    position rules them out, while of others it shows that they are weak. Of these the nearest come first, however many
+    numbers they take to hide.
     """
     base, mine = candidates[0], candidates[chosen]
-    found: list[tuple[float, tuple[str, ...]]] = []
+    likely = judgement.probabilities if mine.effects else judgement.evidence
+    found: list[tuple[float, float, tuple[str, ...]]] = []
     for number, other in enumerate(candidates):
         if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
             continue
@@ -215,5 +217,5 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
         else:
             within = WITHIN_ERROR
         if difference < within:
-            found.append((-judgement.evidence[number], other.effects))
-    return [effects for _, effects in sorted(found)][:MOST_RIVALS]
+            found.append((-likely[number], -judgement.evidence[number], other.effects))
+    return [effects for _, _, effects in sorted(found)][:MOST_RIVALS]

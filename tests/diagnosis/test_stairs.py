@@ -201,6 +201,15 @@ def test_beside_no_effect_only_what_hides_in_the_base_cannot_be_told_from_it(qui
     assert ("transport_delay",) in rivals_of(2, tried, Judgement(np.zeros(4), 0.0, evidence))
 
 
+def test_of_causes_that_cannot_be_told_apart_the_most_probable_are_named(quiet, refitted):
+    base, _ = refitted(quiet)
+    effects = [(), ("coil_lag",), ("chamber_filling",), ("sensor_lag",), ("transport_delay",)]
+    tried = [Candidate(each, base.fit, score_of(*[1.0] * 6), trace=9.0) for each in effects]
+    evidence = np.array([0.0, 20.0, 20.3, 20.2, 19.9])
+    judgement = Judgement(np.array([0.0, 0.4, 0.1, 0.2, 0.3]), 0.0, evidence)
+    assert rivals_of(1, tried, judgement) == [("transport_delay",), ("sensor_lag",)]
+
+
 @pytest.mark.parametrize(
     ("alone", "pair", "other", "is_seen"),
     [
