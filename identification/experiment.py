@@ -23,14 +23,14 @@ BLOCK_TIME = 3.0
 ANCHOR_INTERVAL = 2.0
 """Usual time between two anchors. [s]"""
 
-HALF_A_STEP = 0.5
-"""Steps of a coarse reading within which a model is right."""
-
 ANCHOR_REACH = 3
 """Readings on either side that an anchor is the mean of."""
 
 ANCHOR_TOLERANCE = 1.5
 """A run is put anew on an anchor from which it is off by more than this, far above the anchor's own error. [noise]"""
+
+HALF_A_STEP = 0.5
+"""Steps of a coarse reading within which a model is right."""
 
 LEAST_LOOP_NOISE = 1e-4
 """Noise of a settled loop over its range, where its readings show less."""
