@@ -199,7 +199,7 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
     """
     base, mine = candidates[0], candidates[chosen]
     likely = judgement.probabilities if mine.effects else judgement.evidence
-    found: list[tuple[float, float, tuple[str, ...]]] = []
+    found: list[int] = []
     for number, other in enumerate(candidates):
         if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
             continue
@@ -217,5 +217,6 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
         else:
             within = WITHIN_ERROR
         if difference < within:
-            found.append((-likely[number], -judgement.evidence[number], other.effects))
-    return [effects for _, _, effects in sorted(found)][:MOST_RIVALS]
+            found.append(number)
+    found.sort(key=lambda number: (-likely[number], -judgement.evidence[number], candidates[number].effects))
+    return [candidates[number].effects for number in found[:MOST_RIVALS]]

@@ -118,14 +118,9 @@ def squares_of(experiment: Experiment, simulated: Simulated) -> np.ndarray:
     the mean over all places between two steps is d^2/(2 s), noise in the same way. So 2 s v is the squared error that a
     sample tells of, up to a whole step; beyond that v (s + v), as the mean of v is then |d| - s/2.
     """
-    if simulated.step == 0.0:
-        return experiment.errors_of(simulated)[0] ** 2
-    step = simulated.step
-    beyond = np.maximum(np.abs(experiment.position - simulated.smooth[0]) - 0.5 * step, 0.0)
-    squares = beyond * (step + np.maximum(beyond, step)) / experiment.noise**2
-    if not experiment.has_stairs:
-        return squares
-    return experiment.reach**2 * np.log1p(squares / experiment.reach**2)
+    beyond, step = np.abs(experiment.beyond(simulated)[0]), simulated.step
+    told = np.sqrt(beyond * (step + np.maximum(beyond, step)))
+    return experiment.tempered(told / experiment.noise) ** 2
 
 
 def persistence_of(error: np.ndarray) -> float:

@@ -102,7 +102,7 @@ def try_alone(
     A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
 
     One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
-    reading comes nearest, all that a local search finds is tried beside it first, which costs little.
+    reading comes nearest, all that was tried is tried beside it first, which costs little.
     """
     tried = [base]
     has_stops = stops_seen(base.fit)
@@ -289,9 +289,9 @@ def extensions(
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
-    fits = {each.effects[0]: each.fit for each in best_of(tried, 1)}
+    fits = {key: each.fit for key, each in alone_of(tried).items()}
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
-    plain = [key for key in single if not effect_of_key(key).fitted]
+    plain = [key for key in single if effect_of_key(key).is_read_off]
     # What comes close to no effect promises little by slopes, and shows where little is left.
     hiding = [key for key in single if "none" in effect_of_key(key).aliases]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
@@ -307,15 +307,14 @@ def extensions(
         called = (*best, *plain, *(hiding if explains(leader, tried[0], generous=True) else ()))
         certain = list(dict.fromkeys([*stopping, *(key for key in called if key not in leader.effects)]))
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
-        is_on_top = leader.has_series or is_read_off(leader)
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
             if frozenset(effects) in known:
                 continue
             known.add(frozenset(effects))
             is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
-            if is_on_top:
-                # On top of the few unknowns of the other, not of the many of a series.
+            if is_laid_on_top(leader):
+                # On top of the few unknowns of the other, not of the many of a series, or of none.
                 (own,) = leader.effects
                 work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
             else:
@@ -343,7 +342,7 @@ def left_alone(tried: Sequence[Candidate]) -> list[Work]:
 
     The search for it alone had ended beside the least error.
     """
-    alone = {each.effects[0]: each for each in best_of(tried, 1)}
+    alone = alone_of(tried)
     work: dict[str, Work] = {}
     pairs = best_of(tried, 2)
     idle = [each for each in pairs if not is_felt(each) and misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
@@ -357,13 +356,22 @@ def left_alone(tried: Sequence[Candidate]) -> list[Work]:
 
 def values_alone(tried: Sequence[Candidate]) -> dict[str, dict[str, float]]:
     """Return the values of each effect as fitted alone. [SI]"""
-    alone = [each for each in tried if len(each.effects) == 1]
-    return {each.effects[0]: dict(each.fit.model.effects[each.effects[0]]) for each in alone}
+    return {key: dict(each.fit.model.effects[key]) for key, each in alone_of(tried).items()}
+
+
+def alone_of(tried: Sequence[Candidate]) -> dict[str, Candidate]:
+    """Return the causes of one effect by its key, in the order in which they were tried."""
+    return {each.effects[0]: each for each in tried if len(each.effects) == 1}
 
 
 def is_read_off(candidate: Candidate) -> bool:
-    """Return whether a cause has no numbers to fit, as a grid of readings that the record shows."""
-    return bool(candidate.effects) and not any(effect_of_key(key).fitted for key in candidate.effects)
+    """Return whether all numbers of a cause are read off the record."""
+    return bool(candidate.effects) and all(effect_of_key(key).is_read_off for key in candidate.effects)
+
+
+def is_laid_on_top(candidate: Candidate) -> bool:
+    """Return whether a cause of one effect is laid on top of another's fit, not under it."""
+    return candidate.has_series or is_read_off(candidate)
 
 
 def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
@@ -381,14 +389,13 @@ def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
 
 def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
     """Return the best causes of two effects as work in the other order, where that begins with a fit at hand."""
-    alone = {each.effects[0]: each.fit for each in tried if len(each.effects) == 1}
+    alone = alone_of(tried)
     pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
     known = {each.effects for each in tried}
-    on_top = {each.effects[0] for each in best_of(tried, 1) if each.has_series or is_read_off(each)}
     return [
-        Work(alone[second], (second, first), False, single[first])
+        Work(alone[second].fit, (second, first), False, single[first])
         for first, second in pairs
-        if (second, first) not in known and not effect_of_key(first).is_jagged and second not in on_top
+        if (second, first) not in known and not effect_of_key(first).is_jagged and not is_laid_on_top(alone[second])
     ]
 
 

@@ -73,21 +73,25 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
         if len(candidate.effects) != 1:
             continue
         effect = effect_of_key(candidate.effects[0])
-        hint = max(math.log(base / max(candidate.score.misfit, 1.0)), 0.0)
+        hint = hinted(base, candidate.score.misfit)
         hints[effect.stage] += hint
         elsewhere = {other.stage for other in EFFECTS if are_aliases(effect.key, other.key)} - {effect.stage}
         for stage in elsewhere or {effect.stage}:
             hints[stage] += ALIKE * hint / max(len(elsewhere), 1)
-    hints["sensor"] += max(math.log(base / max(base - left_by_steps(candidates[0]), 1.0)), 0.0)
+    hints["sensor"] += hinted(base, base - left_by_steps(candidates[0]))
     total = sum(hints.values())
     return {stage: hint / total for stage, hint in hints.items()}
 
 
+def hinted(before: float, left: float) -> float:
+    """Return the logarithm of how far an error comes down, at most to the noise. [noise^2]"""
+    return max(math.log(before / max(left, 1.0)), 0.0)
+
+
 def left_by_steps(base: Candidate) -> float:
-    """Return the mean square that the coarse steps of the readings leave, up to that of the base. [noise^2]"""
+    """Return the mean square that the coarse steps of the readings leave. [noise^2]"""
     experiments = base.fit.problem.experiments
-    left = float(np.mean([coarsest_grid(each)[0] ** 2 / 12.0 / each.noise**2 for each in experiments]))
-    return min(left, base.score.misfit)
+    return float(np.mean([coarsest_grid(each)[0] ** 2 / 12.0 / each.noise**2 for each in experiments]))
 
 
 def open_stages(verdict: str, probabilities: dict[str, float], causes: Sequence[tuple[str, ...]]) -> list[str]:

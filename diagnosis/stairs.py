@@ -91,7 +91,7 @@ def makes_stairs(base: Fit) -> bool:
     must explain much of what these leave.
     """
     makers = [each for each in EFFECTS if each.breakaway and not each.is_chaotic]
-    readings = [extend(base, each.key) for each in EFFECTS if not each.fitted]
+    readings = [extend(base, each.key) for each in EFFECTS if each.is_read_off]
     least = min((base, *readings), key=lambda fit: fit.found.error)
     return any(
         bool(slips_by(base, each, least)) or extend(base, each.key, slips=[]).found.error < STEPPED * least.found.error

@@ -78,7 +78,7 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         Through its breakaways.
     effect : Effect
     """
-    if effect.key in HIDES_THE_LINE | STRAIGHT or not effect.fitted:
+    if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
     problem, point, _ = min(promised(fit, line, effect), key=lambda each: each[2])
     bent = line_through(replace(line.breakaways, problem=problem), point)

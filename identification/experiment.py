@@ -131,10 +131,17 @@ class Experiment:
 
         A model that reads in coarse steps is right where it was within half a step of the reading, or so many steps.
         """
+        return self.tempered(self.beyond(simulated, within) / self.noise)
+
+    def beyond(self, simulated: Simulated, within: float = HALF_A_STEP) -> np.ndarray:
+        """Return measured less simulated positions beyond so many steps of a coarse reading, shape (rows, n). [m]"""
         error = self.position - simulated.smooth
         if simulated.step > 0.0:
             error = np.copysign(np.maximum(np.abs(error) - within * simulated.step, 0.0), error)
-        error = error / self.noise
+        return error
+
+    def tempered(self, error: np.ndarray) -> np.ndarray:
+        """Return errors as they count: by their logarithm where the stem goes in stairs. [noise]"""
         if not self.has_stairs:
             return error
         return np.copysign(self.reach * np.sqrt(np.log1p((error / self.reach) ** 2)), error)
@@ -279,6 +286,7 @@ def score_rows(
     tolerance: float,
     anchors: np.ndarray = runs.FREE,
     in_closed_form: bool = False,
+    within: float = HALF_A_STEP,
 ) -> np.ndarray:
     """Return the sum of the squared errors that count of each row of numbers, shape (rows,). [noise^2]"""
     if experiment.is_loop and in_closed_form:
@@ -290,7 +298,7 @@ def score_rows(
     def score(part: slice) -> None:
         runs.score_rows(
             rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
-            HALF_A_STEP * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
+            within * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
             np.empty((1, len(measured))), sums[part],
         )  # fmt: skip
 

@@ -154,7 +154,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
     effect = effect_of_key(key)
     start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
-    if not effect.fitted:
+    if effect.is_read_off:
         return finished(start.problem, descend_to_end(start.problem, start.point))
     problem, best = followed(fit, effect, [start])
     return finished(problem, descend_to_end(problem, best.point))

@@ -159,6 +159,7 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             tolerance=problem.tolerance,
             anchors=anchors,
             in_closed_form=problem.settles,
+            within=problem.within,
         )
     return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
 

@@ -109,6 +109,11 @@ class Effect:
         return tuple(parameter for parameter in self.parameters if parameter.is_fitted)
 
     @property
+    def is_read_off(self) -> bool:
+        """Whether all numbers are read off the record, as the grid of coarse readings is: a fit moves none."""
+        return not self.fitted
+
+    @property
     def shown(self) -> tuple[Parameter, ...]:
         """The parameters that a table shows: of a series of like numbers the first."""
         return tuple(parameter for parameter in self.parameters if not parameter.is_higher)

@@ -73,11 +73,12 @@ def test_a_valve_without_effect_keeps_its_squares(given, quiet):
 
 @pytest.mark.parametrize("step", [0.0, 3e-3])
 @pytest.mark.parametrize("reach", [4.0, math.inf])
-def test_sum_without_residuals_is_the_sum_of_residuals(given, quiet, reach, step):
+@pytest.mark.parametrize("within", [0.5, 0.25])
+def test_sum_without_residuals_is_the_sum_of_residuals(given, quiet, reach, step, within):
     grid = np.round(quiet.position / 3e-3) * 3e-3
     experiment = replace(quiet, reach=reach, position=grid if step else quiet.position)
     model = given.with_effect("quantisation", resolution=step, resolution_offset=0.0) if step else given
-    problem = Problem(model, [experiment], base_unknowns(given), [np.isfinite(experiment.position)])
+    problem = Problem(model, [experiment], base_unknowns(given), [np.isfinite(experiment.position)], within=within)
     points = 0.1 * np.random.default_rng(0).standard_normal((3, len(problem.unknowns)))
     assert errors(problem, points) == pytest.approx(0.5 * (problem.residuals(points) ** 2).sum(axis=1), rel=1e-9)
 
