@@ -11,7 +11,7 @@ from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_e
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.linkage import drag_linkage, shift_linkage
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
-from valvemodel.stages.nozzle import advance_nozzle, has_leak, rest_nozzle
+from valvemodel.stages.nozzle import advance_nozzle, has_leak, is_amplified, rest_nozzle
 from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
@@ -51,9 +51,7 @@ def has_pressure_dynamics(p):
         p.gap_drift_rate != 0.0
         or p.coil_time_constant > 0.0
         or p.chamber_filling_time > 0.0
-        or p.fill_time > 0.0
-        or p.vent_time > 0.0
-        or p.filling_slowness != 0.0
+        or is_amplified(p)
         or p.droop_gain > 0.0
         or p.droop_consumption > 0.0
     )

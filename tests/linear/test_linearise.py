@@ -141,6 +141,16 @@ def test_dead_time_is_approximated_to_its_order():
     assert np.abs(ratio - np.exp(-0.4j * omega)).max() < 1e-7
 
 
+def test_a_line_that_smears_is_a_lag_behind_its_dead_time():
+    sharp, smeared = (
+        linearise(valve(transport_delay={"transport_delay": 0.4, "line_dispersion": dispersion}), current=12e-3)
+        for dispersion in (0.0, 0.1)
+    )
+    omega = np.array([0.1, 1.0, 25.0])
+    ratio = smeared.current_to_pressure(1j * omega) / sharp.current_to_pressure(1j * omega)
+    assert np.abs(ratio * (1.0 + 0.04j * omega) - 1.0).max() < 1e-9
+
+
 def test_friction_that_falls_with_speed_makes_a_slip_unstable():
     found = linearise(valve(stribeck={}), current=12e-3, speed=1e-3)
     assert found.current_to_position.poles().real.max() > 0.0

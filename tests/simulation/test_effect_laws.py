@@ -21,14 +21,16 @@ from valvemodel.valves import read_valve
 BASE = base_model()
 ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
 PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
+SMEARING = {"transport_delay": 0.14, "line_dispersion": 0.3}
 
 LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
     "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
+    "transport_delay": (SMEARING, {"transport_delay": 0.0}),
 }
 """By effect, its second law at telling values, and what makes that vanish."""
 
-INTEGRATED = {"asymmetric_filling": 3e-6}
+INTEGRATED = {"asymmetric_filling": 3e-6, "transport_delay": 3e-6}
 """How far laws without a closed form may be off at the default accuracy. [m]"""
 
 

@@ -156,6 +156,17 @@ def test_second_order_transmitter_is_two_equal_lags():
     assert np.abs(run(model, time, current) - reference(BASE, time, current, [made], step=1e-6)).max() < 1e-6
 
 
+@pytest.mark.parametrize("other", ["", "chamber_filling"])
+def test_a_line_that_smears(other):
+    time, current = ramps_and_steps(seconds=SECONDS, seed=1)
+    made = [truth("transport_delay", "nozzle", "dispersive_line", delay=0.2, dispersion=0.1)]
+    model = BASE.with_effect("transport_delay", transport_delay=0.2, line_dispersion=0.1)
+    if other:
+        made.append(CASES[other][0])
+        model = model.with_effect(other, **CASES[other][1])
+    assert np.abs(run(model, time, current) - reference(BASE, time, current, made, step=1e-6)).max() < 2e-5
+
+
 def test_viscous_friction_that_differs_up_and_down():
     time, current = ramps_and_steps(seconds=SECONDS, seed=1)
     made = truth("asymmetric_viscous_friction", "stem", "one_sided", direction=1.0, excess=8.0)

@@ -22,7 +22,9 @@ TREATMENTS = {
     "supply_droop": Treatment(True, "a lead-lag of its direction: a rise draws the supply down, a fall does not"),
     "air_leak": Treatment(True, "its slope at the pressure"),
     "choked_flow": Treatment(True, "the slope of the balance of flows"),
-    "transport_delay": Treatment(True, "Pade's approximation of the stated order, at the inlet"),
+    "transport_delay": Treatment(
+        True, "Pade's approximation of the stated order, at the inlet; the lag behind it with that of the amplifier"
+    ),
 }
 
 
@@ -32,6 +34,7 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     if numbers["chamber_filling_time"] > 0.0:
         chamber = 1.0 / evaluate(numeric.chamber_rate, numbers, pressure=point.supplied_pressure, gap=point.gap)
     amplifier = numbers["vent_time" if point.side < 0.0 else "fill_time"]
+    amplifier += numbers["line_dispersion"] * numbers["transport_delay"]
     amplifier /= quickness_at_rest(numbers, point.supplied_pressure)
     return [
         gain("nozzle", pressure_by_current(numbers, point), "effective_current", "resting_pressure"),

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from valvemodel.errors import InputError
 from valvemodel.reference.electromagnet import Electromagnet, gap
-from valvemodel.reference.filling import Stretch, fills_unequally, flows, sag_to_settle, stretches_of
+from valvemodel.reference.filling import Stretch, filling_times, fills_unequally, flows, sag_to_settle, stretches_of
 from valvemodel.reference.nozzle import behind_leak, resting_pressure
 
 Pressure = Callable[[float], float]
@@ -24,7 +24,7 @@ class Air:
 
     def __init__(self, numbers: SimpleNamespace, electromagnet: Electromagnet) -> None:
         self.numbers, self.electromagnet = numbers, electromagnet
-        if fills_unequally(numbers) and not (numbers.fill_time > 0.0 and numbers.vent_time > 0.0):
+        if fills_unequally(numbers) and not min(filling_times(numbers)) > 0.0:
             arrived = f"they are {numbers.fill_time:g} and {numbers.vent_time:g} s"
             raise InputError("the reference needs a positive fill_time and vent_time", arrived, "raise them")
         self.time = 0.0

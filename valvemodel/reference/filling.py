@@ -31,7 +31,13 @@ def flows(n: SimpleNamespace) -> bool:
 
 def fills_unequally(n: SimpleNamespace) -> bool:
     """Return whether filling and venting take their own times."""
-    return n.fill_time > 0.0 or n.vent_time > 0.0 or n.filling_slowness != 0.0
+    return max(filling_times(n)) > 0.0 or n.filling_slowness != 0.0
+
+
+def filling_times(n: SimpleNamespace) -> tuple[float, float]:
+    """Return the time constants of filling and of venting, each with that of a line that smears. [s]"""
+    smear = n.line_dispersion * n.transport_delay
+    return n.fill_time + smear, n.vent_time + smear
 
 
 class Stretch:
@@ -130,7 +136,8 @@ def filled_slope(n: SimpleNamespace, pressure: float, target: float) -> float:
     """Return how fast the amplifier follows: at its own pace up and down, rate-limited one way. [Pa/s]"""
     if not fills_unequally(n):
         return 0.0
-    rate = quickness(n, pressure, target) * (target - pressure) / (n.fill_time if target > pressure else n.vent_time)
+    fill_time, vent_time = filling_times(n)
+    rate = quickness(n, pressure, target) * (target - pressure) / (fill_time if target > pressure else vent_time)
     if n.filling_slowness > 0.0:
         return max(rate, -1.0 / n.filling_slowness)
     return min(rate, -1.0 / n.filling_slowness) if n.filling_slowness < 0.0 else rate

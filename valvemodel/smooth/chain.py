@@ -84,11 +84,12 @@ class SmoothChain:
         self.remembers = model.numbers.get("return_point_memory", 0.0) > 0.0
         self.slides = model.numbers.get("slider_share", 0.0) > 0.0
         self.filters = model.numbers.get("sensor_second_time_constant", 0.0) > 0.0
+        self.smears = model.numbers.get("line_dispersion", 0.0) > 0.0
         self.wears = model.numbers.get("backlash_wear", 0.0) > 0.0
         self.parameters = (*numbers, WIDTH)
         self.states = (
             *electromagnet.states_of(self.effects, remembers=self.remembers),
-            *nozzle.states_of(self.effects),
+            *nozzle.states_of(self.effects, smears=self.smears),
             *stem.states_of(self.effects, slides=self.slides),
             *sensor.states_of(self.effects, filters=self.filters, wears=self.wears),
             *(("time",) if self.effects & TIMED else ()),
@@ -114,7 +115,7 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects, p.remembers, p.slides = self.effects, self.remembers, self.slides
-        p.filters, p.wears = self.filters, self.wears
+        p.filters, p.smears, p.wears = self.filters, self.smears, self.wears
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
         p.waves = int(self.model.numbers.get("load_waves", 1.0))

@@ -23,11 +23,12 @@ LEAST_SLOWNESS = 1e-15
 """Keeps the way of a rate limit of no slowness finite. [s/Pa]"""
 
 
-def states_of(effects: Collection[str]) -> tuple[str, ...]:
+def states_of(effects: Collection[str], *, smears: bool) -> tuple[str, ...]:
     """Return the names of the states that the effects need; the pressure itself is one, for it is measured."""
     droop = ("droop", "supplied_pressure") if "supply_droop" in effects else ()
     chamber = ("chamber_pressure",) if "chamber_filling" in effects else ()
-    return droop + chamber + (("filled_pressure",) if "asymmetric_filling" in effects else ()) + ("pressure",)
+    filled = ("filled_pressure",) if smears or "asymmetric_filling" in effects else ()
+    return droop + chamber + filled + ("pressure",)
 
 
 def rest_nozzle(p: Any, x: Any, gap: Expression, current: Expression) -> None:
@@ -39,7 +40,7 @@ def rest_nozzle(p: Any, x: Any, gap: Expression, current: Expression) -> None:
         x.supplied_pressure = pressure
     if "chamber_filling" in p.effects:
         x.chamber_pressure = pressure
-    if "asymmetric_filling" in p.effects:
+    if p.smears or "asymmetric_filling" in p.effects:
         x.filled_pressure = pressure
     x.pressure = behind_leak(p, pressure)
 
@@ -53,8 +54,9 @@ def advance_nozzle(p: Any, x: Any, gap: Expression, current: Expression, duratio
     if "chamber_filling" in p.effects:
         pressure = fill_chamber(p, x, pressure, gap, duration)
         after = x.chamber_pressure
-    if "asymmetric_filling" in p.effects:
-        pressure = fill_unequally(p, x, pressure, duration)
+    if p.smears or "asymmetric_filling" in p.effects:
+        law = fill_unequally if "asymmetric_filling" in p.effects else smear
+        pressure = law(p, x, pressure, duration)
         after = x.filled_pressure
     x.pressure = behind_leak(p, after)
     return behind_leak(p, pressure)
@@ -145,11 +147,21 @@ def filling_rate(p: Any, pressure: Expression, resting: Expression, gap: Express
     return secant / ca.fmax(filling_time, SHORTEST_TIME)
 
 
+def smear(p: Any, x: Any, target: Expression, duration: Expression) -> Expression:
+    """Follow a target at the end of a line that smears; return the mean. [Pa]"""
+    departure = x.filled_pressure - target
+    rate = duration / ca.fmax(p.line_dispersion * p.transport_delay, SHORTEST_TIME)
+    x.filled_pressure = target + departure * ca.exp(-rate)
+    return target + departure * passed(rate)
+
+
 def fill_unequally(p: Any, x: Any, target: Expression, duration: Expression) -> Expression:
     """Follow a target at the capacity of the direction, rate-limited one way; return the mean. [Pa]"""
     departure = target - x.filled_pressure
     rises = gate(departure, p.smoothing_pressure)
     own_time = ca.fmax(p.vent_time + (p.fill_time - p.vent_time) * rises, SHORTEST_TIME)
+    if p.smears:
+        own_time += p.line_dispersion * p.transport_delay
     # Exponential midpoint.
     halfway = target - departure * ca.exp(-0.5 * duration * quickness(p, x.filled_pressure, target) / own_time)
     time_constant = own_time / quickness(p, halfway, target)

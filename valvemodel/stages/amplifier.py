@@ -8,6 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.chamber import KEPT, SWEEPS
 from valvemodel.stages.lag import follow_nodes, remember_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, left_out
+from valvemodel.stages.nozzle import time_to_fill, time_to_vent
 
 ROUNDING = 1e-12
 """Share of the supply below which two pressures are equal."""
@@ -46,7 +47,7 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
     if abs(ahead) <= rounding:
         ahead = aims[1] - start
     side = 1.0 if ahead > 0.0 else -1.0
-    time_constant = p.fill_time if side > 0.0 else p.vent_time
+    time_constant = time_to_fill(p) if side > 0.0 else time_to_vent(p)
     slowness = abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
     lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
     speed = side * (aims[1] - aims[0]) / spacing

@@ -168,10 +168,22 @@ EFFECTS = (
         key="transport_delay",
         stage="nozzle",
         title="transport delay",
-        meaning="the line delays the pressure by a dead time",
-        equation=r"P(t) = P_b(t - T_d)",
-        source="travel of a pressure wave along the tubing",
-        parameters=(Parameter("transport_delay", "s", "dead time", 0.0, 3.0, 0.0, (0.08, 0.4)),),
+        meaning="the line delays the pressure by a dead time, and its friction smears what arrives",
+        equation=r"d\,T_d\,\dot P = P_b(t - T_d) - P",
+        source="travel of a pressure wave along the tubing; its dispersion to first order",
+        parameters=(
+            Parameter("transport_delay", "s", "T_d: dead time", 0.0, 3.0, 0.0, (0.08, 0.4)),
+            Parameter(
+                "line_dispersion",
+                "1",
+                "d: time constant of the lag behind the dead time, over it; it adds to those of an amplifier",
+                0.0,
+                0.3,
+                0.0,
+                (0.0, 0.1),
+                typical=0.0,
+            ),
+        ),
         aliases=("coil_lag", "sensor_lag", "chamber_filling"),
         acts_in_time=True,
         told_apart_by="a measured pressure, or a faster sampling of one step",
@@ -246,6 +258,24 @@ def behind_leak(p, pressure):
     loss = p.leak_ratio * math.sqrt(p.supply_pressure)
     root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * (1.0 + p.turbulent_leak_ratio) * pressure))
     return root * root
+
+
+@inlined
+def time_to_fill(p):
+    """Return the time constant of a rising pressure behind the chamber. [s]"""
+    return p.fill_time + p.line_dispersion * p.transport_delay
+
+
+@inlined
+def time_to_vent(p):
+    """Return the time constant of a falling pressure behind the chamber. [s]"""
+    return p.vent_time + p.line_dispersion * p.transport_delay
+
+
+@inlined
+def is_amplified(p):
+    """Return whether the pressure behind the chamber follows it late."""
+    return time_to_fill(p) > 0.0 or time_to_vent(p) > 0.0 or p.filling_slowness != 0.0
 
 
 @inlined

@@ -11,7 +11,16 @@ from valvemodel.stages.amplifier import INSTANT, lay_amplifier
 from valvemodel.stages.chamber import lay_chamber
 from valvemodel.stages.electromagnet import accept_currents, advance_flux, gap_of_current, lay_currents
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, left_out, value_at
-from valvemodel.stages.nozzle import behind_leak, drawn_to_settle, has_leak, rest_nozzle, resting_pressure_of_chain
+from valvemodel.stages.nozzle import (
+    behind_leak,
+    drawn_to_settle,
+    has_leak,
+    is_amplified,
+    rest_nozzle,
+    resting_pressure_of_chain,
+    time_to_fill,
+    time_to_vent,
+)
 from valvemodel.stages.supply import lay_supply
 
 COARSE = 1e-7
@@ -83,7 +92,7 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
     while True:
-        kept = allowed_force(p, state, tolerance, max(length, p.fill_time + p.vent_time)) / p.diaphragm_area
+        kept = allowed_force(p, state, tolerance, max(length, time_to_fill(p) + time_to_vent(p))) / p.diaphragm_area
         end = lay_nodes(p, state, memory, drive, time, length / count, count, slack, kept)
         # A pressure at a limited rate would be far beyond its aim a moment later.
         shortest = SHORTEST_PART if p.filling_slowness == 0.0 else INSTANT
@@ -131,7 +140,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack, kept):
     if p.chamber_filling_time > 0.0:
         lay_chamber(p, state, memory, spacing, count, slack)
     memory.end_chamber = memory.pressures[count]
-    if p.fill_time > 0.0 or p.vent_time > 0.0 or p.filling_slowness != 0.0:
+    if is_amplified(p):
         end = min(end, lay_amplifier(p, state, memory, spacing, count, slack, kept))
     memory.end_filled = memory.pressures[count]
     if has_leak(p):
