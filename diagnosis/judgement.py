@@ -94,8 +94,13 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     has_stops = stops_seen(candidates[0].fit)
     slips = np.array([makes_slips(each) for each in candidates])
     form = np.where(slips, FORM_SLIPS, FORM) if not has_stairs else np.full(len(slips), FORM_STAIRS)
-    left, before = np.array([errors_beyond_noise(each.score, base, spares=each.has_series) for each in candidates]).T
-    allowed = NOTICE + form * before
+    spared = [
+        each.has_series or (slipping and not has_stairs) for each, slipping in zip(candidates, slips, strict=True)
+    ]
+    left, before, full = np.array(
+        [errors_beyond_noise(each.score, base, spares=spares) for each, spares in zip(candidates, spared, strict=True)]
+    ).T
+    allowed = NOTICE + form * full
     evidence = -sharpness * np.log((left + allowed) / (before + allowed))
     # No effect has no form in which it could be missed, nor has a whole series of waves: only what is below notice
     # excuses it.
@@ -112,8 +117,8 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
     # It is credited with no more than a known cause that leaves nothing to explain.
     ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
-    gained = min(before[best], *before[ends]) if ends else before[best]
-    expected = (UNKNOWN_NOTICE + unknown_form * gained) / (NOTICE + (1.0 + form[best]) * gained)
+    least = min([best, *ends], key=lambda number: before[number])
+    expected = (UNKNOWN_NOTICE + unknown_form * full[least]) / (NOTICE + form[best] * full[least] + before[least])
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
@@ -125,24 +130,35 @@ def sharpness_of(base: Score) -> float:
     return min(SHARPNESS, BLOCK_WORTH * len(base.free.weighted))
 
 
-def errors_beyond_noise(mine: Score, base: Score, *, spares: bool = False) -> tuple[float, float]:
-    """Return the squared errors of a cause and of the base beyond the noise. [noise^2]
+def errors_beyond_noise(mine: Score, base: Score, *, spares: bool = False) -> tuple[float, float, float]:
+    """Return the squared errors beyond the noise of a cause, and of the base with a guard and in full. [noise^2]
 
     What a cause gains over the base in the one block in time where it gains most does not count: what helps in a
-    single one, such as the first after the start, is no effect of the valve. What it still misses there counts. Of a
-    load that varies at will the readings tell nothing while the stem rests: that `spares` the block where it misses
-    most, of which the base's error does not count either.
+    single one, such as the first after the start, is no effect of the valve. What it still misses there counts, and so
+    does what the base misses where it is asked how much of that another form may leave. Of a load that varies at will
+    the readings tell nothing while the stem rests, and whether a stem breaks away just before or after a reversal may
+    hang by a hair: that `spares` the block where it misses most, of which the base's error does not count either. What
+    is left of the whole record counts where it is more than of unseen data.
     """
+    unseen = errors_on_some(mine, base, spares=spares)
+    if mine.whole is None or base.whole is None:
+        return unseen
+    left, before, full = map(max, unseen, errors_on_some(mine.whole, base.whole, spares=spares))
+    return left, before, full
+
+
+def errors_on_some(mine: Score, base: Score, *, spares: bool) -> tuple[float, float, float]:
+    """Return the errors that `errors_beyond_noise` does, on some samples. [noise^2]"""
     runs: Sequence[Errors] = mine.judged
     others: Sequence[Errors] = (base if mine.at_rests else Score(base.free, base.anchored)).judged
     if spares and len(runs[0].weighted) >= FEW_BLOCKS:
         worst = int(np.argmax(runs[0].weighted))
         runs, others = ([without_block(each, worst) for each in both] for both in (runs, others))
-    left = excess(*(each.mean for each in runs))
+    left, full = excess(*(each.mean for each in runs)), excess(*(each.mean for each in others))
     if len(runs[0].weighted) < FEW_BLOCKS:
-        return left, excess(*(each.mean for each in others))
+        return left, full, full
     best = int(np.argmax(others[0].weighted - runs[0].weighted))
-    return left, excess(*(without_gain(one, other, best) for one, other in zip(runs, others, strict=True)))
+    return left, excess(*(without_gain(one, other, best) for one, other in zip(runs, others, strict=True))), full
 
 
 def without_gain(mine: Errors, base: Errors, block: int) -> float:

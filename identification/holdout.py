@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,14 @@ class Holdout:
     def scored_on_rests(self) -> tuple[Experiment, ...]:
         """The experiments to score on, their runs put anew on each rest."""
         return tuple(put_on_rests(each, each.reach) for each in self.scored_experiments)
+
+    @cached_property
+    def whole(self) -> Holdout:
+        """The same experiments, those to score on last, with all samples to be scored."""
+        others = tuple(each for each in self.experiments if all(each is not one for one in self.scored_experiments))
+        everything = (*others, *self.scored_experiments)
+        measured = tuple(np.isfinite(each.position) for each in everything)
+        return replace(self, scored_experiments=everything, scored=measured)
 
     @property
     def noise(self) -> float:

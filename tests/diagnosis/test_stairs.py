@@ -112,13 +112,26 @@ def score_of(*weighted: float) -> Score:
 
 def test_what_is_gained_in_one_block_alone_does_not_count():
     base, mine = score_of(1.0, 1.0, 60.0, 1.0, 1.0, 1.0), score_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-    assert errors_beyond_noise(mine, base) == pytest.approx((0.0, 0.0))
+    assert errors_beyond_noise(mine, base) == pytest.approx((0.0, 0.0, 59.0 / 6.0))
+
+
+def test_what_is_left_of_the_whole_record_counts_where_it_is_more():
+    """A lag shows itself at steps, and these may lie among the fitted samples."""
+    unseen, whole = score_of(1.5, 1.0, 1.0, 1.0, 1.0, 1.0), score_of(*[4.0] * 8)
+    mine, base = replace(unseen, whole=whole), replace(score_of(*[3.0] * 6), whole=score_of(*[9.0] * 8))
+    assert mine.misfit == pytest.approx(4.0)
+    assert errors_beyond_noise(mine, base) == pytest.approx((3.0, 8.0 - 5.0 / 8.0, 8.0))
+    # A fit that follows its own samples alone is judged by the others.
+    followed = replace(unseen, whole=score_of(*[0.5] * 8))
+    assert followed.misfit == unseen.misfit
+    assert errors_beyond_noise(followed, base)[0] == errors_beyond_noise(unseen, base)[0]
 
 
 def test_what_is_missed_in_one_block_counts():
     base = score_of(9.0, 9.0, 60.0, 9.0, 9.0, 9.0)
-    left, before = errors_beyond_noise(score_of(1.0, 1.0, 55.0, 1.0, 1.0, 1.0), base)
+    left, before, full = errors_beyond_noise(score_of(1.0, 1.0, 55.0, 1.0, 1.0, 1.0), base)
     assert left == pytest.approx(9.0)
+    assert full == pytest.approx((45.0 + 60.0) / 6.0 - 1.0)
     assert before == pytest.approx((45.0 + 60.0) / 6.0 - 1.0 - 8.0 / 6.0)
 
 
@@ -129,7 +142,7 @@ def test_a_load_that_varies_at_will_is_spared_the_block_where_it_misses_most():
     # Nor is it credited with what the base misses there.
     base = score_of(1.0, 1.0, 60.0, 1.0, 1.0, 1.0, 1.0)
     mine = score_of(1.0, 1.0, 55.0, 1.0, 1.0, 1.0, 1.0)
-    assert errors_beyond_noise(mine, base, spares=True) == pytest.approx((0.0, 0.0))
+    assert errors_beyond_noise(mine, base, spares=True) == pytest.approx((0.0, 0.0, 0.0))
     few = score_of(9.0, 9.0, 1.0)
     assert errors_beyond_noise(few, few, spares=True) == errors_beyond_noise(few, few)
 
@@ -256,6 +269,8 @@ def test_each_slip_by_itself_judges_in_place_of_the_free_run_where_there_are_sta
     on_stairs = Score(free, mine.free, mine.free)
     base = Score(free, free, score_of(*[100.0] * 6).free)
     anchored, at_rests = 900.0 - 896.0 / 6.0, 100.0 - 96.0 / 6.0
-    assert errors_beyond_noise(on_stairs, base) == pytest.approx((3.0, math.sqrt(anchored * at_rests) - 1.0))
+    full = math.sqrt(900.0 * 100.0) - 1.0
+    assert errors_beyond_noise(on_stairs, base) == pytest.approx((3.0, math.sqrt(anchored * at_rests) - 1.0, full))
     # What has no such run is judged by the others, and so is the base beside it.
-    assert errors_beyond_noise(Score(free, mine.free), base) == pytest.approx((59.0, 30.0 * math.sqrt(anchored) - 1.0))
+    expected = (59.0, 30.0 * math.sqrt(anchored) - 1.0, 899.0)
+    assert errors_beyond_noise(Score(free, mine.free), base) == pytest.approx(expected)
