@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 import numpy as np
 
 from diagnosis.explaining import explains, misfit
-from diagnosis.judgement import judge
+from diagnosis.judgement import WITHIN_ERROR, Judgement, judge
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
@@ -45,13 +45,18 @@ def with_hidden(
     list of Candidate
         The causes; beside none, effects that hide at their strength instead of at nothing.
     list of str
-        Effects that hide beside the most probable cause, the best hidden first; empty where that is none, has two
-        effects or does not explain the gap, and where an unknown one is more probable.
+        Effects that hide beside the most probable cause, the best hidden first: those, and what was tried together with
+        it and came no nearer than can be told. Empty where that cause is none or has two effects, and where an unknown
+        one is more probable.
     """
     judgement = judge(tried)
-    best = tried[int(np.argmax(judgement.probabilities))]
-    if len(best.effects) > 1 or not explains(best, tried[0]) or judgement.unknown > judgement.probabilities.max():
+    chosen = int(np.argmax(judgement.probabilities))
+    best = tried[chosen]
+    if len(best.effects) > 1 or judgement.unknown > judgement.probabilities.max():
         return list(tried), []
+    beside = alike_beside(chosen, tried, judgement) if best.effects else []
+    if not explains(best, tried[0]):
+        return list(tried), said(beside, best)
     unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
     work = [
         Work(best.fit, (*best.effects, key), False, strongest_start(effect_of_key(key)), is_known=True)
@@ -61,9 +66,27 @@ def with_hidden(
     found = try_all(work, holdout, pool, progress, "what may hide")
     hidden = sorted((each for each in found if is_hidden(each, best)), key=misfit)
     if best.effects:
-        return list(tried), [each.effects[-1] for each in hidden][:MOST_SAID]
+        return list(tried), said([*beside, *hidden], best)
     replaced = {each.effects for each in hidden}
     return [*(each for each in tried if each.effects not in replaced), *hidden], []
+
+
+def alike_beside(chosen: int, tried: Sequence[Candidate], judgement: Judgement) -> list[Candidate]:
+    """Return what was tried together with a cause, can hide, and is within the error of it; the most probable first."""
+    best, found = set(tried[chosen].effects), []
+    for number, each in enumerate(tried):
+        added = set(each.effects) - best
+        if not best < set(each.effects) or len(added) > 1 or not can_hide(effect_of_key(min(added))):
+            continue
+        if each.trace >= FELT and abs(judgement.evidence[number] - judgement.evidence[chosen]) < WITHIN_ERROR:
+            found.append(number)
+    return [tried[number] for number in sorted(found, key=lambda number: -judgement.probabilities[number])]
+
+
+def said(hidden: Sequence[Candidate], best: Candidate) -> list[str]:
+    """Return the effects that causes add to the best one, as many as are said, each once."""
+    added = (min(set(each.effects) - set(best.effects)) for each in hidden)
+    return list(dict.fromkeys(added))[:MOST_SAID]
 
 
 def is_hidden(found: Candidate, best: Candidate) -> bool:

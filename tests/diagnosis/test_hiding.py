@@ -42,6 +42,16 @@ def test_what_leaves_a_cause_as_good_as_it_is_is_said_to_hide_beside_it(monkeypa
     assert causes == tried
 
 
+def test_what_comes_no_nearer_than_can_be_told_hides_too(monkeypatch):
+    tried = [candidate(40.0), candidate(1.6, "sensor_lag"), candidate(1.35, "sensor_lag", "linkage_backlash")]
+    tried.append(candidate(1.3, "sensor_lag", "coil_lag"))
+    causes, hiding = beside(tried, {}, monkeypatch)
+    assert causes == tried
+    assert hiding == ["linkage_backlash"]
+    unfelt = candidate(1.35, "sensor_lag", "linkage_backlash", trace=0.5)
+    assert beside([*tried[:2], unfelt], {}, monkeypatch)[1] == []
+
+
 def test_what_hides_in_the_base_stands_among_the_causes_at_its_strength(monkeypatch):
     tried = [candidate(1.0), candidate(1.0, "air_leak", trace=0.0), candidate(0.99, "linkage_backlash", trace=0.1)]
     causes, hiding = beside(tried, {"air_leak": 1.01, "linkage_backlash": 1.4}, monkeypatch)
