@@ -150,7 +150,10 @@ class Diagnosis(Told):
 
     @property
     def cause(self) -> Cause:
-        """The most probable cause: that of which the verdict speaks, unless it is unknown."""
+        """The cause that is shown: the most probable one, of which the verdict speaks unless it is unknown.
+
+        Where it is, causes that are a series of waves come last.
+        """
         return self.causes[0]
 
     @property
@@ -281,6 +284,9 @@ def diagnose_with(
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
     order = order_of(tried, judgement)
+    if verdict == "unknown":
+        # What came nearest is not the cause, and a load that was found for these records is none of the next one's.
+        order.sort(key=lambda number: tried[number].has_series)
     shown = tried[order[0]]
     yardstick = yardstick_of(shown, first, floors)
     floor = floors[0] if yardstick == "free" else floors[1]
