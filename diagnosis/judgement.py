@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.explaining import explains, stops_seen
+from diagnosis.explaining import explains, misfit, stops_seen
 from diagnosis.score import Errors, Score
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key
@@ -50,6 +50,10 @@ right, and large errors count by their logarithm. Set on some fifty blind plants
 FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
 """The same for a cause that makes the stem stop and jump, in a record without stairs."""
 
+BEHIND, MOST_BEHIND = 0.01, 4.0
+"""Mean squared error, in units of the noise, by which a cause that explains the gap must lie behind another of as many
+effects to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
+
 BLOCK_WORTH = 0.5
 """Sharpness that a scored block in time is worth, up to the whole of it."""
 
@@ -73,7 +77,8 @@ MOST_RIVALS = 2
 class Judgement:
     """Probabilities of the candidates, in their order, and of an unknown cause; they sum to 1.
 
-    `evidence` is the log-likelihood of each candidate, without its prior.
+    `evidence` is the log-likelihood of each candidate, without its prior and without what sets apart those that explain
+    the gap.
     """
 
     probabilities: np.ndarray
@@ -111,12 +116,12 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
         evidence -= COST_STOPS * np.array(
             [not can_stop(each) and not explains(each, candidates[0]) for each in candidates]
         )
-    support = evidence + np.array([log_prior(each) for each in candidates])
+    ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
+    support = evidence - lost_behind(ends, candidates) + np.array([log_prior(each) for each in candidates])
     support[[not is_felt(each) for each in candidates]] = -np.inf
     best = int(np.argmax(support))
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
     # It is credited with no more than a known cause that leaves nothing to explain.
-    ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
     least = min([best, *ends], key=lambda number: before[number])
     expected = (UNKNOWN_NOTICE + unknown_form * full[least]) / (NOTICE + form[best] * full[least] + before[least])
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
@@ -190,6 +195,23 @@ def makes_slips(candidate: Candidate) -> bool:
 def can_stop(candidate: Candidate) -> bool:
     """Return whether a cause can make the stem rest again and again on its way."""
     return any(effect_of_key(key).stops_again for key in candidate.fit.model.effects)
+
+
+def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndarray:
+    """Return the log-likelihoods that the causes which explain the gap lose against the nearest of as many effects.
+
+    What is below notice says nothing of whether there is another effect, but all causes miss that alike: of those that
+    remain it is the right one that comes nearest.
+    """
+    nearest: dict[int, float] = {}
+    for number in ends:
+        size, mine = len(candidates[number].effects), misfit(candidates[number])
+        nearest[size] = min(mine, nearest.get(size, mine))
+    lost = np.zeros(len(candidates))
+    for number in ends:
+        behind = misfit(candidates[number]) - nearest[len(candidates[number].effects)]
+        lost[number] = min(behind / BEHIND, MOST_BEHIND)
+    return lost
 
 
 def is_felt(candidate: Candidate) -> bool:

@@ -83,6 +83,19 @@ def test_what_explains_the_gap_needs_no_stops(monkeypatch):
     assert judge([base, short]).unknown > 0.5
 
 
+def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_most_probable(monkeypatch):
+    """By a factor e a hundredth of the noise, up to a bound; what explains nothing or has more effects is apart."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    tried = [candidate(90.0), candidate(1.01, "area_variation"), candidate(1.02, "spring_hardening")]
+    tried += [candidate(1.3, "air_leak"), candidate(80.0, "coil_lag"), candidate(1.0, "air_leak", "coil_lag")]
+    judged = judge(tried)
+    support = np.log(judged.probabilities)
+    lost = support - judged.evidence - [judgement.log_prior(each) for each in tried]
+    assert lost[[2, 3]] - lost[1] == pytest.approx([-1.0, -judgement.MOST_BEHIND])
+    assert lost[[0, 4, 5]] - lost[1] == pytest.approx(0.0)
+    assert judged.evidence[1] - judged.evidence[2] < 0.2
+
+
 @pytest.mark.parametrize(
     ("key", "expected"),
     [("air_leak", True), ("linkage_backlash", True), ("choked_flow", False), ("coil_lag", False)],
