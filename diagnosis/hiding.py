@@ -20,6 +20,10 @@ HIDES = 1.1
 MOST_SAID = 2
 """Effects that are said to hide beside a cause."""
 
+ASTRAY, SMALLER = 2.0, 0.3
+"""Factor in squared error from which an effect at its strongest start has led a cause into a side minimum, and the
+share of that start from which it is tried once more."""
+
 FELT = 1.0
 """Change of the readings, in units of the noise, from which an effect is there and does not need to be shown."""
 
@@ -58,17 +62,21 @@ def with_hidden(
     if not explains(best, tried[0]):
         return list(tried), said(beside, best)
     unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
-    work = [
-        Work(best.fit, (*best.effects, key), False, strongest_start(effect_of_key(key)), is_known=True)
-        for key in unfelt
-        if can_hide(effect_of_key(key)) and key not in best.effects
-    ]
-    found = try_all(work, holdout, pool, progress, "what may hide")
+    keys = [key for key in unfelt if can_hide(effect_of_key(key)) and key not in best.effects]
+    found = try_all([beside_at(best, key) for key in keys], holdout, pool, progress, "what may hide")
+    astray = [each.effects[-1] for each in found if misfit(each) > ASTRAY * misfit(best)]
+    found += try_all([beside_at(best, key, SMALLER) for key in astray], holdout, pool, progress, "what may hide")
     hidden = sorted((each for each in found if is_hidden(each, best)), key=misfit)
     if best.effects:
         return list(tried), said([*beside, *hidden], best)
     replaced = {each.effects for each in hidden}
     return [*(each for each in tried if each.effects not in replaced), *hidden], []
+
+
+def beside_at(best: Candidate, key: str, share: float = 1.0) -> Work:
+    """Return a cause together with an effect as work, from a share of the effect's strongest start alone."""
+    start = {name: share * value for name, value in strongest_start(effect_of_key(key)).items()}
+    return Work(best.fit, (*best.effects, key), False, start, is_known=True)
 
 
 def alike_beside(chosen: int, tried: Sequence[Candidate], judgement: Judgement) -> list[Candidate]:

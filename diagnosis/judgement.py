@@ -51,8 +51,8 @@ FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
 """The same for a cause that makes the stem stop and jump, in a record without stairs."""
 
 BEHIND, MOST_BEHIND = 0.01, 4.0
-"""Mean squared error, in units of the noise, by which a cause that explains the gap must lie behind another of as many
-effects to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
+"""Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
+the gap to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
 
 BLOCK_WORTH = 0.5
 """Sharpness that a scored block in time is worth, up to the whole of it."""
@@ -77,13 +77,14 @@ MOST_RIVALS = 2
 class Judgement:
     """Probabilities of the candidates, in their order, and of an unknown cause; they sum to 1.
 
-    `evidence` is the log-likelihood of each candidate, without its prior and without what sets apart those that explain
-    the gap.
+    `evidence` is the log-likelihood of each candidate, without its prior; `lost` is what it loses of that, in the
+    probabilities, against a nearer one that explains the gap.
     """
 
     probabilities: np.ndarray
     unknown: float
     evidence: np.ndarray
+    lost: np.ndarray | float = 0.0
 
 
 def judge(candidates: Sequence[Candidate]) -> Judgement:
@@ -117,8 +118,9 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
             [not can_stop(each) and not explains(each, candidates[0]) for each in candidates]
         )
     ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
-    support = evidence - lost_behind(ends, candidates) + np.array([log_prior(each) for each in candidates])
-    support[[not is_felt(each) for each in candidates]] = -np.inf
+    lost = lost_behind(ends, candidates)
+    support = evidence - lost + np.array([log_prior(each) for each in candidates])
+    support[~are_felt(candidates)] = -np.inf
     best = int(np.argmax(support))
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
     # It is credited with no more than a known cause that leaves nothing to explain.
@@ -127,7 +129,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
-    return Judgement((1.0 - share) * np.exp(support - named), share, evidence)
+    return Judgement((1.0 - share) * np.exp(support - named), share, evidence, lost)
 
 
 def sharpness_of(base: Score) -> float:
@@ -198,25 +200,43 @@ def can_stop(candidate: Candidate) -> bool:
 
 
 def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndarray:
-    """Return the log-likelihoods that the causes which explain the gap lose against the nearest of as many effects.
+    """Return the log-likelihoods that causes lose against the nearest one of as many effects that explains the gap.
 
     What is below notice says nothing of whether there is another effect, but all causes miss that alike: of those that
     remain it is the right one that comes nearest.
+
+    Parameters
+    ----------
+    ends : sequence of int
+        Numbers of the causes that explain the gap.
+    candidates : sequence of Candidate
     """
     nearest: dict[int, float] = {}
     for number in ends:
         size, mine = len(candidates[number].effects), misfit(candidates[number])
         nearest[size] = min(mine, nearest.get(size, mine))
-    lost = np.zeros(len(candidates))
-    for number in ends:
-        behind = misfit(candidates[number]) - nearest[len(candidates[number].effects)]
-        lost[number] = min(behind / BEHIND, MOST_BEHIND)
-    return lost
+    behind = [misfit(each) - nearest.get(len(each.effects), math.inf) for each in candidates]
+    return np.clip(np.array(behind) / BEHIND, 0.0, MOST_BEHIND)
 
 
-def is_felt(candidate: Candidate) -> bool:
-    """Return whether each of a cause's effects changes the readings enough to be one."""
-    return candidate.trace >= (LEAST_TRACE if len(candidate.effects) < 2 else LEAST_TRACE_MORE)
+def are_felt(candidates: Sequence[Candidate]) -> np.ndarray:
+    """Return whether each effect of each cause changes the readings enough to be one, shape (c,).
+
+    Less is enough where nothing simpler does: for a cause that explains the gap where none of fewer effects does.
+    """
+    ends = [explains(each, candidates[0]) for each in candidates]
+    fewest = min((len(each.effects) for each, is_end in zip(candidates, ends, strict=True) if is_end), default=0)
+    return np.array(
+        [
+            is_felt(each, LEAST_TRACE if is_end and len(each.effects) == fewest else LEAST_TRACE_MORE)
+            for each, is_end in zip(candidates, ends, strict=True)
+        ]
+    )
+
+
+def is_felt(candidate: Candidate, least_beside: float = LEAST_TRACE_MORE) -> bool:
+    """Return whether each of a cause's effects changes the readings enough to be one, several by so much. [noise]"""
+    return candidate.trace >= (LEAST_TRACE if len(candidate.effects) < 2 else least_beside)
 
 
 def log_prior(candidate: Candidate) -> float:
@@ -237,13 +257,15 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
     """
     base, mine = candidates[0], candidates[chosen]
     likely = judgement.probabilities if mine.effects else judgement.evidence
+    evidence = judgement.evidence - judgement.lost if mine.effects else judgement.evidence
+    felt = are_felt(candidates)
     found: list[int] = []
     for number, other in enumerate(candidates):
-        if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not is_felt(other):
+        if number == chosen or len(other.effects) > max(len(mine.effects), 1) or not felt[number]:
             continue
         if mine.effects and set(mine.effects) < set(other.effects):
             continue
-        difference = abs(judgement.evidence[number] - judgement.evidence[chosen])
+        difference = abs(evidence[number] - evidence[chosen])
         is_alias = differ_by_aliases(mine.effects, other.effects)
         if not mine.effects and not is_alias:
             continue

@@ -11,7 +11,7 @@ from functools import partial
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
 from diagnosis.judgement import is_felt
-from diagnosis.trying import Candidate, Progress, Work, never, promises, sharpen_all, try_all
+from diagnosis.trying import Candidate, Progress, Work, never, promises, sharpen_all, take_each_out, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
@@ -73,6 +73,9 @@ it, and for it to be tried on top of others."""
 NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
+
+LOOKED_BACK = 2
+"""Best causes of three effects that are tried without each of them in turn."""
 
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
@@ -168,6 +171,8 @@ def try_together(
                     break
                 work = beside_what_is_behind(leader, tried, single, pool)
                 tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
+            work = overlooked([*leaders, *behind(order, leaders)], tried, single)
+            tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
             tried = with_better(tried, try_all(left_alone(tried), holdout, pool, progress, what))
         if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
             break
@@ -187,9 +192,24 @@ def try_together(
                 tried = with_better(tried, try_all(work, holdout, pool, progress, what))
             for choice in (best_of(tried, 2), aliases_of_best(tried)):
                 tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
+        else:
+            tried = with_better(tried, take_each_out(worth_a_look_back(tried), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def worth_a_look_back(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the best causes of three effects that are to be tried without each in turn, from where the others are.
+
+    The third may be none, and only have led the other two out of a side minimum.
+    """
+    far = NO_GAIN * misfit(best_of(tried, 2)[0])
+    return [
+        each
+        for each in best_of(tried, 3)[:LOOKED_BACK]
+        if misfit(each) < far and not each.has_series and not any(effect_of_key(key).is_chaotic for key in each.effects)
+    ]
 
 
 def local(work: Sequence[Work]) -> list[Work]:
@@ -335,6 +355,34 @@ def beside_what_is_behind(
     known = {each.effects for each in tried}
     work = [Work(leader.fit, (*leader.effects, key), False, single[key]) for key in keys]
     return worthwhile([each for each in work if each.effects not in known], tried)
+
+
+def overlooked(
+    leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]]
+) -> list[Work]:
+    """Return what promises nothing by slopes, as work on top of some causes where nothing explains the record.
+
+    Other numbers must first make room for what comes close to no effect: beside them it may explain much, at the size
+    that it has, and nothing at a small one. Runs of what takes long are too dear to be asked for a promise.
+    """
+    if any_explains(tried):
+        return []
+    known = {frozenset(each.effects) for each in tried}
+    plain = [each for each in leaders if not each.has_series and not is_read_off(each) and not breaks_away(each)]
+    work = []
+    for number, leader in enumerate(plain):
+        for key in single:
+            effect = effect_of_key(key)
+            is_asked = "none" in effect.aliases or (effect.takes_long and number < LEADERS)
+            if is_asked and frozenset((*leader.effects, key)) not in known and key not in leader.effects:
+                work.append(Work(leader.fit, (*leader.effects, key), False, single[key]))
+    return worthwhile(work, tried)
+
+
+def breaks_away(candidate: Candidate) -> bool:
+    """Return whether one of a cause's effects makes the stem stop and jump, or takes long to run."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    return any(each.breakaway or each.takes_long for each in effects)
 
 
 def left_alone(tried: Sequence[Candidate]) -> list[Work]:

@@ -14,6 +14,7 @@ from diagnosis.score import Score, score_fit
 from identification.extension import extend, extend_from
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.reduction import reduced
 from identification.screening import screened
 from identification.sharpening import sharpened
 from identification.stick_slip import SlipSearch
@@ -99,6 +100,13 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
             extended = extend(work.fit, key, work.known, **given)
         score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
         return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
+
+
+def take_out(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
+    """Take an effect out of a cause, fit the others from where they are, and score that."""
+    fit = reduced(candidate.fit, key)
+    effects = tuple(each for each in candidate.effects if each != key)
+    return Candidate(effects, fit, score_fit(fit, holdout), trace_of(fit, holdout), freedom_of(fit))
 
 
 def freedom_of(fit: Fit) -> int:
@@ -188,3 +196,14 @@ def sharpen_all(
         return []
     progress(f"searching about {' + '.join(candidates[0].effects)}", 0.0)
     return list((pool.map if pool else map)(partial(sharpen, holdout=holdout), candidates))
+
+
+def take_each_out(
+    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Take each effect in turn out of some causes, on all cores where there is a pool."""
+    pairs = [(each, key) for each in candidates for key in each.effects]
+    if not pairs:
+        return []
+    progress(f"looking back from {' + '.join(candidates[0].effects)}", 0.0)
+    return list((pool.map if pool else map)(partial(take_out, holdout=holdout), *zip(*pairs, strict=True)))

@@ -84,16 +84,50 @@ def test_what_explains_the_gap_needs_no_stops(monkeypatch):
 
 
 def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_most_probable(monkeypatch):
-    """By a factor e a hundredth of the noise, up to a bound; what explains nothing or has more effects is apart."""
+    """By a factor e a hundredth of the noise, up to a bound; what has more effects is apart."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     tried = [candidate(90.0), candidate(1.01, "area_variation"), candidate(1.02, "spring_hardening")]
     tried += [candidate(1.3, "air_leak"), candidate(80.0, "coil_lag"), candidate(1.0, "air_leak", "coil_lag")]
     judged = judge(tried)
     support = np.log(judged.probabilities)
     lost = support - judged.evidence - [judgement.log_prior(each) for each in tried]
-    assert lost[[2, 3]] - lost[1] == pytest.approx([-1.0, -judgement.MOST_BEHIND])
-    assert lost[[0, 4, 5]] - lost[1] == pytest.approx(0.0)
+    assert lost[[2, 3, 4]] - lost[1] == pytest.approx([-1.0, -judgement.MOST_BEHIND, -judgement.MOST_BEHIND])
+    assert lost[[0, 5]] - lost[1] == pytest.approx(0.0)
+    assert judged.lost == pytest.approx([0.0, 0.0, 1.0, judgement.MOST_BEHIND, judgement.MOST_BEHIND, 0.0])
     assert judged.evidence[1] - judged.evidence[2] < 0.2
+
+
+def test_what_lies_behind_by_more_than_the_error_cannot_be_taken_for_a_cause(monkeypatch):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    tried = [candidate(90.0), candidate(1.01, "area_variation"), candidate(1.02, "spring_hardening")]
+    tried.append(candidate(1.3, "magnetic_saturation"))
+    judged = judge(tried)
+    assert judged.evidence[1] - judged.evidence[3] < judgement.WITHIN_ERROR
+    assert judgement.rivals_of(1, tried, judged) == [("spring_hardening",)]
+
+
+@pytest.mark.parametrize(("alone", "is_felt"), [(1.9, True), (1.1, False)])
+def test_a_faint_second_effect_is_felt_where_nothing_does_without(monkeypatch, alone, is_felt):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    tried = [candidate(8.4), candidate(alone, "area_variation")]
+    tried.append(candidate(0.94, "area_variation", "end_stop", trace=0.9))
+    probabilities = judge(tried).probabilities
+    assert (probabilities[2] > 0.7) == is_felt
+    assert (probabilities[2] > 0.0) == is_felt
+
+
+def test_what_its_strongest_start_led_astray_is_tried_from_a_smaller_one(monkeypatch):
+    asked: list[float] = []
+
+    def try_all(work, *_):
+        asked.extend(each.known["leak_ratio"] for each in work)
+        return [candidate(50.0 if each.known["leak_ratio"] > 0.1 else 1.0, *each.effects) for each in work]
+
+    monkeypatch.setattr(hiding, "try_all", try_all)
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    tried = [candidate(90.0), candidate(1.0, "position_dependent_friction"), candidate(89.0, "air_leak")]
+    assert with_hidden(tried, None, None, lambda what, share: None)[1] == ["air_leak"]
+    assert asked == [0.15, pytest.approx(hiding.SMALLER * 0.15)]
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,30 @@ def test_causes_behind_the_leaders_lead_in_their_order():
     assert len(behind([best, *others, candidate(25.0, "supply_droop")], [best])) == MORE_LEADERS
 
 
+def test_what_promises_nothing_by_slopes_is_tried_beside_the_best_where_nothing_explains():
+    single = {key: {} for key in ("linkage_backlash", "presliding", "coil_lag", "area_variation")}
+    tried = [candidate(90.0), candidate(20.0, "area_variation"), candidate(25.0, "position_dependent_friction")]
+    tried += [candidate(26.0, "static_friction"), candidate(27.0, "coil_lag"), waves(19.0, "load_force")]
+    tried.append(candidate(19.0, "linkage_backlash", "area_variation"))
+    work = selection.overlooked(tried[1:6], tried, single)
+    assert [each.effects for each in work] == [
+        ("area_variation", "presliding"),
+        ("position_dependent_friction", "linkage_backlash"),
+        ("position_dependent_friction", "presliding"),
+        ("coil_lag", "linkage_backlash"),
+    ]
+    assert not any(each.is_global for each in work)
+    assert selection.overlooked(tried[1:6], [*tried, candidate(1.1, "end_stop", "coil_lag")], single) == []
+
+
+def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
+    tried = [candidate(90.0), candidate(30.0, "coil_lag"), candidate(20.0, "coil_lag", "end_stop")]
+    near, far = candidate(1.4, "coil_lag", "end_stop", "air_leak"), candidate(19.0, "coil_lag", "end_stop", "gap_drift")
+    assert selection.worth_a_look_back([*tried, far, near]) == [near]
+    assert selection.worth_a_look_back([*tried, waves(1.0, "coil_lag", "end_stop", "load_force")]) == []
+    assert selection.worth_a_look_back(tried) == []
+
+
 def test_a_pair_that_its_first_effect_led_astray_is_tried_in_the_other_order(monkeypatch):
     monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: {key: len(key) for key in starts})
     tried = [candidate(40.0), candidate(9.0, "supply_droop"), candidate(10.0, "asymmetric_friction")]

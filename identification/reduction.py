@@ -1,0 +1,32 @@
+"""A fit reduced by one of its effects: what is left is fitted anew from where it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from threadpoolctl import threadpool_limits
+
+from identification.fit import Fit, finished
+from identification.search import descend_to_end
+from valvemodel.effects import effect_of_key
+
+
+@threadpool_limits.wrap(limits=1)
+def reduced(fit: Fit, key: str) -> Fit:
+    """Take an effect out of a fit and fit all other unknowns anew, from their values beside it.
+
+    An effect that is none may have led the others out of a side minimum.
+
+    Raises
+    ------
+    KeyError
+        If the fit has no such effect.
+    """
+    if key not in fit.model.effects:
+        raise KeyError(f"no effect {key!r} in the fit, only {', '.join(fit.model.effects) or 'none'}")
+    taken = {each.name for each in effect_of_key(key).parameters}
+    kept = [number for number, unknown in enumerate(fit.unknowns) if unknown.name not in taken]
+    problem = replace(
+        fit.problem, model=fit.model.without_effect(key), unknowns=[fit.unknowns[number] for number in kept]
+    )
+    return finished(problem, descend_to_end(problem, fit.found.point[kept]))
