@@ -14,6 +14,7 @@ from diagnosis.judgement import is_felt
 from diagnosis.trying import Candidate, Progress, Work, never, promises, sharpen_all, take_each_out, try_all
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.screening import LITTLE_LEFT
 from valvemodel.declarations import Effect
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
@@ -74,6 +75,13 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
+AT_ONCE = 6
+"""Effects that are tried alone, twice, before the others, by what they promise on the base's residual."""
+
+LEAST_PROMISE, PROMISE_AT_NOISE = 0.05, 0.005
+"""Share of the base's error that an effect must promise by slopes to be followed alone where another settles the
+record, and where the base leaves little."""
+
 LOOKED_BACK = 2
 """Best causes of three effects that are tried without each of them in turn."""
 
@@ -107,19 +115,55 @@ def try_alone(
     One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
     reading comes nearest, all that was tried is tried beside it first, which costs little.
     """
-    tried = [base]
+    local, *searched = rounds(library)
+    tried = try_by_promise(base, holdout, local, pool, progress)
     has_stops = stops_seen(base.fit)
-    for round_of in rounds(library):
-        if effect_of_key(round_of[0]).is_jagged:
-            tried += beside_reading(tried, holdout, pool, progress)
+    for round_of in searched:
+        tried += beside_reading(tried, holdout, pool, progress)
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
         ends = [each for each in tried if explains(each, base)]
-        if effect_of_key(round_of[0]).is_jagged and ends:
+        if ends:
             best = min(ends, key=misfit)
             keys = [key for key in keys if effect_of_key(key).is_chaotic and differ_by_aliases((key,), best.effects)]
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
         tried += try_all(work, holdout, pool, progress, "effects one by one")
     return tried
+
+
+def try_by_promise(
+    base: Candidate, holdout: Holdout, keys: Sequence[str], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try effects that a local search finds alone, the most promising ones first; return the base and those.
+
+    Slopes promise little of what is not small, such as a lag: what promises little is followed all the same, unless
+    what was tried before leaves nothing to explain.
+    """
+    gains = promises(base.fit, {key: {} for key in keys}, pool)
+    order = sorted(keys, key=lambda key: -gains[key])
+    first, second, rest = order[:AT_ONCE], order[AT_ONCE : 2 * AT_ONCE], order[2 * AT_ONCE :]
+    tried = [base]
+    for part in (first, second, rest):
+        work = [Work(base.fit, (key,), False) for key in part]
+        tried += try_all(called_for(work, tried), holdout, pool, progress, "effects one by one")
+    return tried
+
+
+def called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
+    """Return work on single effects that is followed as far as what was tried, the base first, calls for.
+
+    Beside one that settles the record an effect must promise something by slopes, unless they are alike, and come near
+    to be followed to its end. Beside a base at its noise it must promise what can be told at all.
+    """
+    base = tried[0]
+    if base.fit.found.error < LITTLE_LEFT * base.fit.problem.noise_error:
+        return [replace(each, promise=PROMISE_AT_NOISE) for each in work]
+    ends = [each for each in tried[1:] if is_settled(each, base)]
+    worth = FAR_BEHIND * min((each.fit.found.error for each in ends), default=math.inf)
+    alike = [any(differ_by_aliases(each.effects, end.effects) for end in ends) for each in work]
+    return [
+        replace(each, worth=worth, promise=0.0 if is_alike or not ends else LEAST_PROMISE)
+        for each, is_alike in zip(work, alike, strict=True)
+    ]
 
 
 def beside_reading(
@@ -502,8 +546,8 @@ def stopping_on(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
 def rounds(library: Sequence[Effect]) -> list[list[str]]:
     """Return the keys in the order of trying: what a local search finds, what takes a global one, what takes long."""
     kinds = ((False, False), (True, False), (True, True))
-    keys = [[each.key for each in library if (each.is_jagged, each.is_chaotic) == kind] for kind in kinds]
-    return [each for each in keys if each]
+    local, *searched = ([each.key for each in library if (each.is_jagged, each.is_chaotic) == kind] for kind in kinds)
+    return [local, *(each for each in searched if each)]
 
 
 def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops: bool) -> Work:

@@ -73,6 +73,8 @@ class Work:
         The fit extended by a kindred effect.
     worth : float
         Error above which its fit is not followed to its end.
+    promise : float
+        Share of the fit's error that the starts must promise to explain to be followed.
     slips : list of SlipSearch or None
         What is known of the slips of stairs with it.
     """
@@ -84,6 +86,7 @@ class Work:
     kin: Fit | None = None
     is_known: bool = False
     worth: float = math.inf
+    promise: float = 0.0
     slips: list[SlipSearch] | None = None
 
 
@@ -96,8 +99,8 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         if work.is_known and work.known is not None:
             extended = extend_from(work.fit, key, work.known)
         else:
-            given = {"kin": work.kin, "is_global": work.is_global, "worth": work.worth, "slips": work.slips}
-            extended = extend(work.fit, key, work.known, **given)
+            given = {"kin": work.kin, "is_global": work.is_global, "slips": work.slips}
+            extended = extend(work.fit, key, work.known, worth=work.worth, promise=work.promise, **given)
         score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
         return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
 

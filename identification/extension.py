@@ -70,6 +70,7 @@ def extend(
     kin: Fit | None = None,
     is_global: bool = True,
     worth: float = math.inf,
+    promise: float = 0.0,
     slips: list[SlipSearch] | None = None,
 ) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
@@ -89,6 +90,8 @@ def extend(
         Whether an effect whose error has many minima is searched for globally, which takes seconds.
     worth : float
         Error above which a fit is not followed to its end.
+    promise : float
+        Share of the fit's error that starts must promise to explain to be followed.
     slips : list of SlipSearch or None
         What `slips_by` found; None where it was not asked.
 
@@ -103,7 +106,7 @@ def extend(
     if begun is None:
         begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
     if not begun:
-        return extended(fit, effect, known, kin, is_global=is_global, worth=worth)
+        return extended(fit, effect, known, kin, is_global=is_global, worth=worth, promise=promise)
     problem, best = search_near(begun)
     stepped = finished(problem, descend_to_end(problem, best.point))
     if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
@@ -120,12 +123,13 @@ def extended(
     *,
     is_global: bool = True,
     worth: float = math.inf,
+    promise: float = 0.0,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin, known))
     trials = screened(fit, effect, known)
-    if effect.takes_long and trials[0].gain < WORTH_LONG * 2.0 * fit.found.error:
+    if trials[0].gain < max(promise, WORTH_LONG if effect.takes_long else 0.0) * 2.0 * fit.found.error:
         return finished(*at_neutral(fit, effect))
     is_searched = effect.is_jagged and is_global and trials[0].gain > 0.0
     if is_searched and effect.stops_again:

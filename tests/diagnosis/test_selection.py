@@ -1,5 +1,6 @@
 """What is tried: stand-ins make room for what they stand in for."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -23,7 +24,7 @@ from diagnosis.selection import (
     worthwhile,
 )
 from diagnosis.trying import Candidate, Work
-from valvemodel.effects import differ_by_aliases, effect_of_key
+from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:
@@ -307,8 +308,10 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
 
     asked: list[list[str]] = []
     monkeypatch.setattr(selection, "try_all", try_all)
+    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
     monkeypatch.setattr(selection, "stops_seen", lambda fit: True)
-    base = Candidate((), SimpleNamespace(), SimpleNamespace(misfit=20.0))
+    found, problem = SimpleNamespace(error=2000.0), SimpleNamespace(noise_error=100.0)
+    base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
     library = [effect_of_key(key) for key in keys]
     selection.try_alone(base, None, library, None, None)
@@ -316,3 +319,46 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     asked.clear()
     selection.try_alone(base, None, [effect_of_key(key) for key in keys if key != "static_friction"], None, None)
     assert ["stribeck"] in asked
+
+
+def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_they_are_called_for(monkeypatch):
+    """What settles a record leaves the rest to promise something, but for its aliases."""
+
+    def try_all(work, *_):
+        asked.append(list(work))
+        return [candidate(1.0 if each.effects == ("coil_lag",) else 30.0, *each.effects) for each in work]
+
+    def promises(fit, starts, pool):
+        return {key: float(len(order) - order.index(key)) for key in starts}
+
+    order = [
+        "coil_lag",
+        "gap_drift",
+        "supply_droop",
+        "load_force",
+        "end_stop",
+        "air_leak",
+        "sensor_lag",
+        "sensor_drift",
+    ]
+    asked: list[list[Work]] = []
+    monkeypatch.setattr(selection, "try_all", try_all)
+    monkeypatch.setattr(selection, "promises", promises)
+    base = candidate(40.0)
+    base.fit.problem.noise_error = 100.0
+    tried = selection.try_by_promise(base, None, order[::-1], None, None)
+    assert [each.effects for each in tried[1:]] == [(key,) for key in order]
+    assert [[each.effects[0] for each in part] for part in asked] == [order[:6], order[6:], []]
+    assert {each.promise for each in asked[0]} == {0.0}
+    limits = {each.effects[0]: (each.promise, each.worth) for each in asked[1]}
+    assert are_aliases("coil_lag", "sensor_lag")
+    assert not are_aliases("coil_lag", "sensor_drift")
+    worth = selection.FAR_BEHIND * 100.0
+    assert limits == {"sensor_lag": (0.0, worth), "sensor_drift": (selection.LEAST_PROMISE, worth)}
+
+
+def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
+    base = candidate(1.08)
+    base.fit.problem.noise_error = 100.0
+    (work,) = selection.called_for([Work(base.fit, ("coil_lag",), False)], [base])
+    assert (work.promise, work.worth) == (selection.PROMISE_AT_NOISE, math.inf)

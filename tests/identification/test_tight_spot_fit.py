@@ -40,6 +40,17 @@ def test_bristles_are_not_followed_where_they_promise_nothing(tmp_path):
     assert found.model.effects["presliding"]["presliding_compliance"] == 0.0
 
 
+def test_what_promises_less_than_is_asked_is_not_followed(tmp_path):
+    _, base, found = fits_to_plant(9306, "sensor_drift", tmp_path)
+    promised = screened(base, effect_of_key("sensor_drift"))[0].gain / (2.0 * base.found.error)
+    assert promised > 0.0
+    followed = extend(base, "sensor_drift", promise=0.99 * promised)
+    assert followed.found.error == pytest.approx(found.found.error)
+    idle = extend(base, "sensor_drift", promise=1.01 * promised)
+    assert idle.found.error == base.found.error > found.found.error
+    assert idle.model.effects["sensor_drift"]["sensor_drift_rate"] == 0.0
+
+
 def test_a_search_over_a_box_finds_the_least_of_many_minima():
     def ripples(points: np.ndarray) -> np.ndarray:
         return np.sum((points - 0.3) ** 2 + 0.05 * (1.0 - np.cos(40.0 * (points - 0.3))), axis=1)
