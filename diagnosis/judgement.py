@@ -54,6 +54,9 @@ BEHIND, MOST_BEHIND = 0.01, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
 the gap to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
 
+MORE_NUMBERS = 2
+"""Free numbers that another cause may have more for it to be the nearer one by itself and not by them."""
+
 BLOCK_WORTH = 0.5
 """Sharpness that a scored block in time is worth, up to the whole of it."""
 
@@ -203,7 +206,7 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """Return the log-likelihoods that causes lose against the nearest one of as many effects that explains the gap.
 
     What is below notice says nothing of whether there is another effect, but all causes miss that alike: of those that
-    remain it is the right one that comes nearest.
+    remain it is the right one that comes nearest, unless another comes nearer by many more numbers.
 
     Parameters
     ----------
@@ -211,12 +214,16 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
         Numbers of the causes that explain the gap.
     candidates : sequence of Candidate
     """
-    nearest: dict[int, float] = {}
-    for number in ends:
-        size, mine = len(candidates[number].effects), misfit(candidates[number])
-        nearest[size] = min(mine, nearest.get(size, mine))
-    behind = [misfit(each) - nearest.get(len(each.effects), math.inf) for each in candidates]
-    return np.clip(np.array(behind) / BEHIND, 0.0, MOST_BEHIND)
+    lost = np.zeros(len(candidates))
+    for number, each in enumerate(candidates):
+        others = (candidates[end] for end in ends)
+        peers = [
+            misfit(other)
+            for other in others
+            if len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS
+        ]
+        lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
+    return lost
 
 
 def are_felt(candidates: Sequence[Candidate]) -> np.ndarray:

@@ -11,7 +11,17 @@ from functools import partial
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
 from diagnosis.judgement import is_felt
-from diagnosis.trying import Candidate, Progress, Work, never, promises, sharpen_all, take_each_out, try_all
+from diagnosis.trying import (
+    Candidate,
+    Progress,
+    Work,
+    never,
+    promises,
+    sharpen_all,
+    take_each_out,
+    try_all,
+    try_in_turn,
+)
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT
@@ -75,9 +85,6 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
-AT_ONCE = 6
-"""Effects that are tried alone, twice, before the others, by what they promise on the base's residual."""
-
 LEAST_PROMISE, PROMISE_AT_NOISE = 0.05, 0.005
 """Share of the base's error that an effect must promise by slopes to be followed alone where another settles the
 record, and where the base leaves little."""
@@ -139,31 +146,25 @@ def try_by_promise(
     what was tried before leaves nothing to explain.
     """
     gains = promises(base.fit, {key: {} for key in keys}, pool)
-    order = sorted(keys, key=lambda key: -gains[key])
-    first, second, rest = order[:AT_ONCE], order[AT_ONCE : 2 * AT_ONCE], order[2 * AT_ONCE :]
-    tried = [base]
-    for part in (first, second, rest):
-        work = [Work(base.fit, (key,), False) for key in part]
-        tried += try_all(called_for(work, tried), holdout, pool, progress, "effects one by one")
-    return tried
+    work = [Work(base.fit, (key,), False) for key in sorted(keys, key=lambda key: -gains[key])]
+    followed = partial(called_for, base)
+    return [base, *try_in_turn(work, followed, holdout, pool, progress, "effects one by one")]
 
 
-def called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
-    """Return work on single effects that is followed as far as what was tried, the base first, calls for.
+def called_for(base: Candidate, work: Work, tried: Sequence[Candidate]) -> Work:
+    """Return work on a single effect that is followed as far as what was tried before it calls for.
 
     Beside one that settles the record an effect must promise something by slopes, unless they are alike, and come near
-    to be followed to its end. Beside a base at its noise it must promise what can be told at all.
+    to be followed to its end. Beside a base that leaves little it must promise what can be told at all.
     """
-    base = tried[0]
     if base.fit.found.error < LITTLE_LEFT * base.fit.problem.noise_error:
-        return [replace(each, promise=PROMISE_AT_NOISE) for each in work]
-    ends = [each for each in tried[1:] if is_settled(each, base)]
-    worth = FAR_BEHIND * min((each.fit.found.error for each in ends), default=math.inf)
-    alike = [any(differ_by_aliases(each.effects, end.effects) for end in ends) for each in work]
-    return [
-        replace(each, worth=worth, promise=0.0 if is_alike or not ends else LEAST_PROMISE)
-        for each, is_alike in zip(work, alike, strict=True)
-    ]
+        return replace(work, promise=PROMISE_AT_NOISE)
+    ends = [each for each in tried if is_settled(each, base)]
+    if not ends:
+        return work
+    worth = FAR_BEHIND * min(each.fit.found.error for each in ends)
+    is_alike = any(differ_by_aliases(work.effects, each.effects) for each in ends)
+    return replace(work, worth=worth, promise=0.0 if is_alike else LEAST_PROMISE)
 
 
 def beside_reading(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
@@ -22,6 +23,9 @@ from valvemodel.effects import effect_of_key
 
 SERIES = 2
 """Free parameters that a series of like numbers counts as."""
+
+AT_ONCE = 6
+"""Extensions of which none waits for what came out of another: enough for all cores to have work."""
 
 Progress = Callable[[str, float], None]
 
@@ -163,6 +167,38 @@ def try_all(
     for job in jobs[len(done) :]:
         job.cancel()
     return done
+
+
+def try_in_turn(
+    work: Sequence[Work],
+    called_for: Callable[[Work, Sequence[Candidate]], Work],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    what: str,
+) -> list[Candidate]:
+    """Try a list of extensions in turn, on all cores where there is a pool, each as far as those before it call for.
+
+    What is called for is asked of all but the last few before it, however many cores there are: the result is the same.
+
+    Parameters
+    ----------
+    called_for : callable
+        Takes a work and what came out of those before it, and returns the work to be done.
+    """
+    done: list[Candidate] = []
+    jobs: deque[Future[Candidate]] = deque()
+    for number, each in enumerate(work):
+        known = max(number + 1 - AT_ONCE, 0)
+        while jobs and len(done) < known:
+            done.append(jobs.popleft().result())
+        progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
+        now = called_for(each, done[:known])
+        if pool is None:
+            done.append(try_effect(now, holdout))
+        else:
+            jobs.append(pool.submit(try_effect, now, holdout))
+    return [*done, *(job.result() for job in jobs)]
 
 
 def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | None) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """What hides beside a cause is said, and only what is declared to come close to none."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -104,6 +105,14 @@ def test_what_lies_behind_by_more_than_the_error_cannot_be_taken_for_a_cause(mon
     judged = judge(tried)
     assert judged.evidence[1] - judged.evidence[3] < judgement.WITHIN_ERROR
     assert judgement.rivals_of(1, tried, judged) == [("spring_hardening",)]
+
+
+@pytest.mark.parametrize(("numbers", "lost"), [(3, 4.0), (4, 0.0)])
+def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkeypatch, numbers, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    spot = replace(candidate(1.0, "position_dependent_friction"), freedom=numbers)
+    curve = replace(candidate(1.1, "pressure_dependent_friction"), freedom=1)
+    assert judge([candidate(90.0), spot, curve]).lost[2] == pytest.approx(lost)
 
 
 @pytest.mark.parametrize(("alone", "is_felt"), [(1.9, True), (1.1, False)])

@@ -1,12 +1,13 @@
 """What is tried: stand-ins make room for what they stand in for."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
-from diagnosis import selection
+from diagnosis import selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.selection import (
     FAR_BEHIND,
@@ -309,6 +310,7 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     asked: list[list[str]] = []
     monkeypatch.setattr(selection, "try_all", try_all)
     monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    monkeypatch.setattr(selection, "try_in_turn", lambda work, _, *others: try_all(work, *others))
     monkeypatch.setattr(selection, "stops_seen", lambda fit: True)
     found, problem = SimpleNamespace(error=2000.0), SimpleNamespace(noise_error=100.0)
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
@@ -321,15 +323,13 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     assert ["stribeck"] in asked
 
 
-def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_they_are_called_for(monkeypatch):
+@pytest.mark.parametrize("pool", [None, ThreadPoolExecutor(2)])
+def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_they_are_called_for(monkeypatch, pool):
     """What settles a record leaves the rest to promise something, but for its aliases."""
 
-    def try_all(work, *_):
-        asked.append(list(work))
-        return [candidate(1.0 if each.effects == ("coil_lag",) else 30.0, *each.effects) for each in work]
-
-    def promises(fit, starts, pool):
-        return {key: float(len(order) - order.index(key)) for key in starts}
+    def try_effect(work, _):
+        asked[work.effects[0]] = (work.promise, work.worth)
+        return candidate(1.0 if work.effects == ("coil_lag",) else 30.0, *work.effects)
 
     order = [
         "coil_lag",
@@ -341,24 +341,22 @@ def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_the
         "sensor_lag",
         "sensor_drift",
     ]
-    asked: list[list[Work]] = []
-    monkeypatch.setattr(selection, "try_all", try_all)
-    monkeypatch.setattr(selection, "promises", promises)
+    asked: dict[str, tuple[float, float]] = {}
+    monkeypatch.setattr(trying, "try_effect", try_effect)
+    monkeypatch.setattr(selection, "promises", lambda *_: {key: float(-place) for place, key in enumerate(order)})
     base = candidate(40.0)
     base.fit.problem.noise_error = 100.0
-    tried = selection.try_by_promise(base, None, order[::-1], None, None)
-    assert [each.effects for each in tried[1:]] == [(key,) for key in order]
-    assert [[each.effects[0] for each in part] for part in asked] == [order[:6], order[6:], []]
-    assert {each.promise for each in asked[0]} == {0.0}
-    limits = {each.effects[0]: (each.promise, each.worth) for each in asked[1]}
+    tried = selection.try_by_promise(base, None, order[::-1], pool, lambda what, share: None)
+    assert [each.effects for each in tried] == [(), *((key,) for key in order)]
     assert are_aliases("coil_lag", "sensor_lag")
     assert not are_aliases("coil_lag", "sensor_drift")
     worth = selection.FAR_BEHIND * 100.0
-    assert limits == {"sensor_lag": (0.0, worth), "sensor_drift": (selection.LEAST_PROMISE, worth)}
+    expected = dict.fromkeys(order[: trying.AT_ONCE], (0.0, math.inf))
+    assert asked == expected | {"sensor_lag": (0.0, worth), "sensor_drift": (selection.LEAST_PROMISE, worth)}
 
 
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
     base = candidate(1.08)
     base.fit.problem.noise_error = 100.0
-    (work,) = selection.called_for([Work(base.fit, ("coil_lag",), False)], [base])
+    work = selection.called_for(base, Work(base.fit, ("coil_lag",), False), [])
     assert (work.promise, work.worth) == (selection.PROMISE_AT_NOISE, math.inf)
