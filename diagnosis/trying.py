@@ -24,8 +24,8 @@ from valvemodel.effects import effect_of_key
 SERIES = 2
 """Free parameters that a series of like numbers counts as."""
 
-AT_ONCE = 6
-"""Extensions of which none waits for what came out of another: enough for all cores to have work."""
+AT_ONCE = 3
+"""Extensions of which none waits for what came out of another: so many that two cores always have work."""
 
 Progress = Callable[[str, float], None]
 
