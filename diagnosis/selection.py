@@ -23,6 +23,7 @@ from diagnosis.trying import (
     try_in_turn,
 )
 from identification.fit import Fit
+from identification.hints import is_periodic
 from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT
 from valvemodel.declarations import Effect
@@ -145,8 +146,11 @@ def try_by_promise(
     Slopes promise little of what is not small, such as a lag: what promises little is followed all the same, unless
     what was tried before leaves nothing to explain.
     """
-    gains = promises(base.fit, {key: {} for key in keys}, pool)
-    work = [Work(base.fit, (key,), False) for key in sorted(keys, key=lambda key: -gains[key])]
+    # Waves promise something of whatever is left: they come last, for themselves.
+    plain = [key for key in keys if not any(map(is_periodic, effect_of_key(key).parameters))]
+    gains = promises(base.fit, {key: {} for key in plain}, pool)
+    order = sorted(keys, key=lambda key: -gains.get(key, -math.inf))
+    work = [Work(base.fit, (key,), False) for key in order]
     followed = partial(called_for, base)
     return [base, *try_in_turn(work, followed, holdout, pool, progress, "effects one by one")]
 
