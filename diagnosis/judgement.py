@@ -121,9 +121,10 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
             [not can_stop(each) and not explains(each, candidates[0]) for each in candidates]
         )
     ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
-    lost = lost_behind(ends, candidates)
+    felt = are_felt(candidates)
+    lost = lost_behind([number for number in ends if felt[number]], candidates)
     support = evidence - lost + np.array([log_prior(each) for each in candidates])
-    support[~are_felt(candidates)] = -np.inf
+    support[~felt] = -np.inf
     best = int(np.argmax(support))
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
     # It is credited with no more than a known cause that leaves nothing to explain.
@@ -206,12 +207,13 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """Return the log-likelihoods that causes lose against the nearest one of as many effects that explains the gap.
 
     What is below notice says nothing of whether there is another effect, but all causes miss that alike: of those that
-    remain it is the right one that comes nearest, unless another comes nearer by many more numbers.
+    remain it is the right one that comes nearest, unless another comes nearer by many more numbers. A whole series of
+    waves takes in most of what is below notice: what comes nearer by one more effect beside it counts as well.
 
     Parameters
     ----------
     ends : sequence of int
-        Numbers of the causes that explain the gap.
+        Numbers of the causes that explain the gap, and of which each effect is felt.
     candidates : sequence of Candidate
     """
     lost = np.zeros(len(candidates))
@@ -220,7 +222,8 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
         peers = [
             misfit(other)
             for other in others
-            if len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS
+            if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
+            or (each.has_series and set(each.effects) < set(other.effects))
         ]
         lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
     return lost

@@ -20,6 +20,7 @@ from diagnosis.trying import (
     sharpen_all,
     take_each_out,
     try_all,
+    try_each_anew,
     try_in_turn,
 )
 from identification.fit import Fit
@@ -93,6 +94,9 @@ record, and where the base leaves little."""
 LOOKED_BACK = 2
 """Best causes of three effects that are tried without each of them in turn."""
 
+MOST_NEARLY = 4
+"""Best causes of one effect that are searched for from every start where they nearly explain the record."""
+
 BEHIND = 1.5
 """Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
 
@@ -110,6 +114,7 @@ def try_first(
     """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways."""
     alone = try_alone(base, holdout, library, pool, progress)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
+    alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
     return [*alone, *beside_slips(alone, holdout, pool, progress)]
 
 
@@ -136,6 +141,21 @@ def try_alone(
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
         tried += try_all(work, holdout, pool, progress, "effects one by one")
     return tried
+
+
+def nearly(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best causes of one effect that nearly explain the record, as work from every start.
+
+    What leaves so little may be the right one in a side minimum, or stand in for one that ended there.
+    """
+    base, best = tried[0], best_of(tried, 1)[:MOST_NEARLY]
+    if not best or misfit(best[0]) < AT_NOISE or not explains(best[0], base, generous=True):
+        return []
+    worth = [
+        each for each in best if explains(each, base, generous=True) or misfit(each) < FAR_BEHIND * misfit(best[0])
+    ]
+    keys = [each.effects[0] for each in worth if not each.has_series and not is_read_off(each)]
+    return [Work(base.fit, (key,), False, follows_all=True) for key in keys if is_quick(key)]
 
 
 def try_by_promise(
@@ -239,6 +259,7 @@ def try_together(
                 work = [each for each in exchanged(tried) if frozenset(each.effects) not in done]
                 done |= {frozenset(each.effects) for each in work}
                 tried = with_better(tried, try_all(work, holdout, pool, progress, what))
+            tried = with_better(tried, try_each_anew(worth_trying_anew(tried), holdout, pool, progress))
             for choice in (best_of(tried, 2), aliases_of_best(tried)):
                 tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
         else:
@@ -246,6 +267,21 @@ def try_together(
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the best causes of two effects, if nothing explains the record, of which each is to be searched for again.
+
+    The form that came nearest alone, while the other effect was left out, need not be the right one.
+    """
+    if any_explains(tried):
+        return []
+    best = best_of(tried, 2)[:LEADERS]
+    return [
+        each
+        for each in best
+        if not breaks_away(each) and not any(effect_of_key(key).is_read_off for key in each.effects)
+    ]
 
 
 def worth_a_look_back(tried: Sequence[Candidate]) -> list[Candidate]:
@@ -417,12 +453,14 @@ def overlooked(
     if any_explains(tried):
         return []
     known = {frozenset(each.effects) for each in tried}
-    plain = [each for each in leaders if not each.has_series and not is_read_off(each) and not breaks_away(each)]
+    plain = [each for each in leaders if not is_read_off(each) and not breaks_away(each)]
+    bearing = [each for each in plain if not each.has_series][:LEADERS]
     work = []
-    for number, leader in enumerate(plain):
+    for leader in plain:
+        is_bearing = any(leader is each for each in bearing)
         for key in single:
             effect = effect_of_key(key)
-            is_asked = "none" in effect.aliases or (effect.takes_long and number < LEADERS)
+            is_asked = "none" in effect.aliases or (effect.takes_long and is_bearing)
             if is_asked and frozenset((*leader.effects, key)) not in known and key not in leader.effects:
                 work.append(Work(leader.fit, (*leader.effects, key), False, single[key]))
     return worthwhile(work, tried)
@@ -492,7 +530,7 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     return [
         Work(alone[second].fit, (second, first), False, single[first])
         for first, second in pairs
-        if (second, first) not in known and not effect_of_key(first).is_jagged and not is_laid_on_top(alone[second])
+        if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
     ]
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import repeat
 
 import numpy as np
 
@@ -81,6 +82,8 @@ class Work:
         Share of the fit's error that the starts must promise to explain to be followed.
     slips : list of SlipSearch or None
         What is known of the slips of stairs with it.
+    follows_all : bool
+        Whether every start is followed by itself.
     """
 
     fit: Fit
@@ -92,6 +95,7 @@ class Work:
     worth: float = math.inf
     promise: float = 0.0
     slips: list[SlipSearch] | None = None
+    follows_all: bool = False
 
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
@@ -103,7 +107,12 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         if work.is_known and work.known is not None:
             extended = extend_from(work.fit, key, work.known)
         else:
-            given = {"kin": work.kin, "is_global": work.is_global, "slips": work.slips}
+            given = {
+                "kin": work.kin,
+                "is_global": work.is_global,
+                "slips": work.slips,
+                "follows_all": work.follows_all,
+            }
             extended = extend(work.fit, key, work.known, worth=work.worth, promise=work.promise, **given)
         score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
         return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
@@ -114,6 +123,16 @@ def take_out(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
     fit = reduced(candidate.fit, key)
     effects = tuple(each for each in candidate.effects if each != key)
     return Candidate(effects, fit, score_fit(fit, holdout), trace_of(fit, holdout), freedom_of(fit))
+
+
+def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
+    """Take an effect out of a cause, fit the others from where they are, and search for it on top of them again.
+
+    Beside others that are fitted well another form of it may be the right one.
+    """
+    known = dict(candidate.fit.model.effects[key])
+    others = tuple(each for each in candidate.effects if each != key)
+    return try_effect(Work(reduced(candidate.fit, key), (*others, key), False, known), holdout)
 
 
 def freedom_of(fit: Fit) -> int:
@@ -241,8 +260,27 @@ def take_each_out(
     candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
     """Take each effect in turn out of some causes, on all cores where there is a pool."""
+    return each_in_turn(take_out, candidates, holdout, pool, progress)
+
+
+def try_each_anew(
+    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Search for each effect in turn of some causes again, on all cores where there is a pool."""
+    return each_in_turn(try_anew, candidates, holdout, pool, progress)
+
+
+def each_in_turn(
+    change: Callable[[Candidate, str, Holdout], Candidate],
+    candidates: Sequence[Candidate],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+) -> list[Candidate]:
+    """Return what becomes of some causes by a change of each of their effects in turn."""
     pairs = [(each, key) for each in candidates for key in each.effects]
     if not pairs:
         return []
     progress(f"looking back from {' + '.join(candidates[0].effects)}", 0.0)
-    return list((pool.map if pool else map)(partial(take_out, holdout=holdout), *zip(*pairs, strict=True)))
+    causes, keys = zip(*pairs, strict=True)
+    return list((pool.map if pool else map)(change, causes, keys, repeat(holdout)))

@@ -72,6 +72,7 @@ def extend(
     worth: float = math.inf,
     promise: float = 0.0,
     slips: list[SlipSearch] | None = None,
+    follows_all: bool = False,
 ) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
@@ -94,6 +95,8 @@ def extend(
         Share of the fit's error that starts must promise to explain to be followed.
     slips : list of SlipSearch or None
         What `slips_by` found; None where it was not asked.
+    follows_all : bool
+        Whether every start is followed by itself, not the most promising of each form alone.
 
     Returns
     -------
@@ -106,7 +109,9 @@ def extend(
     if begun is None:
         begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
     if not begun:
-        return extended(fit, effect, known, kin, is_global=is_global, worth=worth, promise=promise)
+        return extended(
+            fit, effect, known, kin, is_global=is_global, worth=worth, promise=promise, follows_all=follows_all
+        )
     problem, best = search_near(begun)
     stepped = finished(problem, descend_to_end(problem, best.point))
     if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
@@ -124,6 +129,7 @@ def extended(
     is_global: bool = True,
     worth: float = math.inf,
     promise: float = 0.0,
+    follows_all: bool = False,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
@@ -136,7 +142,8 @@ def extended(
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
-        groups = [trials] if effect.is_jagged else promising(fit, alike(effect, trials))
+        alone = [[each] for each in trials] if follows_all else alike(effect, trials)
+        groups = [trials] if effect.is_jagged else promising(fit, alone)
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]

@@ -115,6 +115,18 @@ def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkey
     assert judge([candidate(90.0), spot, curve]).lost[2] == pytest.approx(lost)
 
 
+@pytest.mark.parametrize(("trace", "lost"), [(2.0, 4.0), (0.5, 0.0)])
+def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeypatch, trace, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    waves = replace(candidate(1.04, "load_force"), has_series=True)
+    plain = candidate(1.04, "coil_lag")
+    more = [replace(candidate(1.0, "load_force", "gap_drift", trace=trace), has_series=True)]
+    more.append(candidate(1.0, "coil_lag", "gap_drift", trace=trace))
+    judged = judge([candidate(90.0), waves, plain, *more])
+    assert judged.lost[1] == pytest.approx(lost)
+    assert judged.lost[2] == pytest.approx(0.0)
+
+
 @pytest.mark.parametrize(("alone", "is_felt"), [(1.9, True), (1.1, False)])
 def test_a_faint_second_effect_is_felt_where_nothing_does_without(monkeypatch, alone, is_felt):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)

@@ -67,6 +67,7 @@ def test_what_promises_nothing_by_slopes_is_tried_beside_the_best_where_nothing_
         ("position_dependent_friction", "linkage_backlash"),
         ("position_dependent_friction", "presliding"),
         ("coil_lag", "linkage_backlash"),
+        ("load_force", "linkage_backlash"),
     ]
     assert not any(each.is_global for each in work)
     assert selection.overlooked(tried[1:6], [*tried, candidate(1.1, "end_stop", "coil_lag")], single) == []
@@ -78,6 +79,32 @@ def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
     assert selection.worth_a_look_back([*tried, far, near]) == [near]
     assert selection.worth_a_look_back([*tried, waves(1.0, "coil_lag", "end_stop", "load_force")]) == []
     assert selection.worth_a_look_back(tried) == []
+
+
+def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_explains():
+    tried = [candidate(90.0), candidate(30.0, "coil_lag")]
+    pairs = [candidate(9.0, "coil_lag", "static_friction"), candidate(10.0, "coil_lag", "end_stop")]
+    pairs += [candidate(11.0, "air_leak", "end_stop")]
+    assert selection.worth_trying_anew([*tried, *pairs]) == [pairs[1]]
+    assert selection.worth_trying_anew([*tried, *pairs, candidate(1.1, "gap_drift", "air_leak")]) == []
+
+
+def test_single_effects_that_nearly_explain_are_searched_for_from_every_start():
+    base, best = candidate(40.0), candidate(1.5, "spring_hardening")
+    others = [candidate(3.0, "magnetic_saturation"), waves(2.0, "load_force"), candidate(9.0, "coil_lag")]
+    work = selection.nearly([base, best, *others])
+    assert [each.effects for each in work] == [("spring_hardening",), ("magnetic_saturation",)]
+    assert all(each.follows_all and each.fit is base.fit for each in work)
+    assert selection.nearly([base, candidate(1.01, "coil_lag"), *others]) == []
+    assert selection.nearly([base, candidate(20.0, "coil_lag"), candidate(18.0, "magnetic_saturation")]) == []
+
+
+def test_a_pair_with_a_series_is_tried_in_the_other_order():
+    load, lag = waves(30.0, "load_force"), candidate(9.0, "coil_lag")
+    pair = waves(4.0, "coil_lag", "load_force")
+    (work,) = selection.reversed_pairs([candidate(90.0), load, lag, pair], {"coil_lag": {}, "load_force": {}})
+    assert work.effects == ("load_force", "coil_lag")
+    assert work.fit is load.fit
 
 
 def test_a_pair_that_its_first_effect_led_astray_is_tried_in_the_other_order(monkeypatch):
@@ -118,6 +145,7 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
     monkeypatch.setattr(selection, "reversed_pairs", lambda *_: [])
     monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
+    monkeypatch.setattr(selection, "try_each_anew", lambda *_: [])
     selection.try_together(tried, None, None, lambda what, share: None)
     assert list(dict.fromkeys(done)) == expected
 
