@@ -15,12 +15,13 @@ from diagnosis.trying import (
     Candidate,
     Progress,
     Work,
+    each_in_turn,
     never,
     promises,
     sharpen_all,
-    take_each_out,
+    take_out,
     try_all,
-    try_each_anew,
+    try_anew,
     try_in_turn,
 )
 from identification.fit import Fit
@@ -151,10 +152,9 @@ def nearly(tried: Sequence[Candidate]) -> list[Work]:
     base, best = tried[0], best_of(tried, 1)[:MOST_NEARLY]
     if not best or misfit(best[0]) < AT_NOISE or not explains(best[0], base, generous=True):
         return []
-    worth = [
-        each for each in best if explains(each, base, generous=True) or misfit(each) < FAR_BEHIND * misfit(best[0])
-    ]
-    keys = [each.effects[0] for each in worth if not each.has_series and not is_read_off(each)]
+    far = FAR_BEHIND * misfit(best[0])
+    near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]
+    keys = [each.effects[0] for each in near if not is_laid_on_top(each)]
     return [Work(base.fit, (key,), False, follows_all=True) for key in keys if is_quick(key)]
 
 
@@ -259,11 +259,11 @@ def try_together(
                 work = [each for each in exchanged(tried) if frozenset(each.effects) not in done]
                 done |= {frozenset(each.effects) for each in work}
                 tried = with_better(tried, try_all(work, holdout, pool, progress, what))
-            tried = with_better(tried, try_each_anew(worth_trying_anew(tried), holdout, pool, progress))
+            tried = with_better(tried, each_in_turn(try_anew, worth_trying_anew(tried), holdout, pool, progress))
             for choice in (best_of(tried, 2), aliases_of_best(tried)):
                 tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
         else:
-            tried = with_better(tried, take_each_out(worth_a_look_back(tried), holdout, pool, progress))
+            tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried

@@ -107,13 +107,17 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         if work.is_known and work.known is not None:
             extended = extend_from(work.fit, key, work.known)
         else:
-            given = {
-                "kin": work.kin,
-                "is_global": work.is_global,
-                "slips": work.slips,
-                "follows_all": work.follows_all,
-            }
-            extended = extend(work.fit, key, work.known, worth=work.worth, promise=work.promise, **given)
+            extended = extend(
+                work.fit,
+                key,
+                work.known,
+                kin=work.kin,
+                is_global=work.is_global,
+                worth=work.worth,
+                promise=work.promise,
+                slips=work.slips,
+                follows_all=work.follows_all,
+            )
         score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
         return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
 
@@ -256,20 +260,6 @@ def sharpen_all(
     return list((pool.map if pool else map)(partial(sharpen, holdout=holdout), candidates))
 
 
-def take_each_out(
-    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
-    """Take each effect in turn out of some causes, on all cores where there is a pool."""
-    return each_in_turn(take_out, candidates, holdout, pool, progress)
-
-
-def try_each_anew(
-    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
-    """Search for each effect in turn of some causes again, on all cores where there is a pool."""
-    return each_in_turn(try_anew, candidates, holdout, pool, progress)
-
-
 def each_in_turn(
     change: Callable[[Candidate, str, Holdout], Candidate],
     candidates: Sequence[Candidate],
@@ -277,7 +267,13 @@ def each_in_turn(
     pool: Executor | None,
     progress: Progress,
 ) -> list[Candidate]:
-    """Return what becomes of some causes by a change of each of their effects in turn."""
+    """Return what becomes of some causes by a change to each of their effects in turn, on all cores with a pool.
+
+    Parameters
+    ----------
+    change : callable
+        `take_out` or `try_anew`.
+    """
     pairs = [(each, key) for each in candidates for key in each.effects]
     if not pairs:
         return []

@@ -142,8 +142,8 @@ def extended(
         groups = alike(effect, trials)
         searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
     else:
-        alone = [[each] for each in trials] if follows_all else alike(effect, trials)
-        groups = [trials] if effect.is_jagged else promising(fit, alone)
+        apart = [[each] for each in trials] if follows_all else alike(effect, trials)
+        groups = [trials] if effect.is_jagged else promising(fit, apart)
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         searched = [followed(fit, effect, group) for group in groups]

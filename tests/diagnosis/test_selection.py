@@ -145,7 +145,7 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
     monkeypatch.setattr(selection, "reversed_pairs", lambda *_: [])
     monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
-    monkeypatch.setattr(selection, "try_each_anew", lambda *_: [])
+    monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
     selection.try_together(tried, None, None, lambda what, share: None)
     assert list(dict.fromkeys(done)) == expected
 

@@ -5,29 +5,27 @@ from __future__ import annotations
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.score import score_fit
 from diagnosis.trials.plan import seeds_of
-from diagnosis.trying import Candidate, Work, try_anew, try_effect
+from diagnosis.trying import Work, try_anew, try_effect
 from identification.experiment import experiment_of
-from identification.fit import fit_base
-from identification.holdout import hold_out
+from identification.fit import Fit, fit_base
+from identification.holdout import Holdout, hold_out
 from valvemodel.records import Record
 
 
-def base_of(given, seed: int, number: int, *keys: str) -> tuple[Candidate, object]:
+def base_of(given, seed: int, number: int, *keys: str) -> tuple[Fit, Holdout]:
     """Return the refitted base of a plant of a blind test, and what is held out of its record."""
     seeds = seeds_of(seed, number)
     plant = draw_plant(seeds["plant"], keys, nuisance=True)
     holdout = hold_out([experiment_of(Record.from_arrays(name="plant", **measure(plant, seeds["record"])))])
-    base = fit_base(given, holdout.experiments, holdout.fitted)
-    return Candidate((), base, score_fit(base, holdout)), holdout
+    return fit_base(given, holdout.experiments, holdout.fitted), holdout
 
 
 def test_a_form_that_is_wrong_alone_is_left_beside_the_other_effect(given):
     # Two lags in series, which look like one as long as the load is left out.
     base, holdout = base_of(given, 2036, 48, "load_force", "sensor_lag")
-    load = try_effect(Work(base.fit, ("load_force",), False), holdout)
-    lag = try_effect(Work(base.fit, ("sensor_lag",), False), holdout)
+    load = try_effect(Work(base, ("load_force",), False), holdout)
+    lag = try_effect(Work(base, ("sensor_lag",), False), holdout)
     on_lag = Work(
         lag.fit, ("sensor_lag", "load_force"), False, dict(load.fit.model.effects["load_force"]), is_known=True
     )
@@ -44,7 +42,7 @@ def test_a_form_that_is_wrong_alone_is_left_beside_the_other_effect(given):
 def test_from_every_start_a_side_minimum_is_left(given):
     # Froehlich's hyperbola from 10.3 mA on, which a search from higher knees takes for a wide bend.
     base, holdout = base_of(given, 2065, 1, "magnetic_saturation")
-    few = try_effect(Work(base.fit, ("magnetic_saturation",), False), holdout)
-    all_starts = try_effect(Work(base.fit, ("magnetic_saturation",), False, follows_all=True), holdout)
+    few = try_effect(Work(base, ("magnetic_saturation",), False), holdout)
+    all_starts = try_effect(Work(base, ("magnetic_saturation",), False, follows_all=True), holdout)
     assert few.score.misfit > 1.5
     assert all_starts.score.misfit < 1.1
