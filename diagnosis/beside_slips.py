@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -9,8 +10,10 @@ from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
-from identification.bent_lines import OFF_THE_LINE, BentLine, bent_line, straight_line
+from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
+from identification.breakaway import Line
 from identification.extension import slips_by
+from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.stick_slip import SlipSearch, error_at_rests
 from valvemodel.effects import effect_of_key
@@ -55,8 +58,8 @@ def beside_slips(
     -------
     list of Candidate
         Causes of two effects; empty where nothing speaks for stick-slip, a coarse reading comes nearer, one effect
-        explains the gap, no line is bent and a law that is quickly searched for is not the best alone, or no two come
-        nearer at the slips than a law alone.
+        explains the gap, no line is bent and a law is not the best alone, or no two come nearer at the slips than a law
+        alone.
     """
     base = alone[0]
     has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
@@ -68,17 +71,45 @@ def beside_slips(
         return []
     if any(stops_by_reading(each) and misfit(each) < misfit(makers[0]) for each in alone[1:]):
         return []
-    bent = bent_lines(alone, pool, progress)
+    line = straight_line(base.fit)
+    on_top = beside_the_best(alone, makers[0])
+    # Where all breakaways lie on the line as it is, only slips tell; a law that is not the best alone has none there.
+    if line is None or (line.is_explained and not is_best_alone(makers[0], alone)):
+        return try_all(on_top, holdout, pool, progress, WHAT)
+    bent = bent_lines(alone, line, pool, progress)
     if not bent:
-        return try_all(beside_the_best(alone, makers[0]), holdout, pool, progress, WHAT)
-    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in bent[:BENDS] for law in makers[:MAKERS]]
-    progress("what sets how far the slips go", 0.0)
-    looked = list(zip(work, (pool.map if pool else map)(slips_of, work), strict=True))
+        return try_all(on_top, holdout, pool, progress, WHAT)
+    looked, alone_at_slips = look_at_slips(bent, line, makers, base.fit, pool, progress)
     if not any(slips for _, slips in looked):
-        known = [replace(each, slips=[]) for each in work[:MAKERS]]
-        return try_all(beside_the_best(alone, makers[0]) or known, holdout, pool, progress, WHAT)
-    alone_at_slips = min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
+        known = [replace(each, slips=[]) for each, _ in looked[:MAKERS]]
+        return try_all(on_top or known, holdout, pool, progress, WHAT)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
+
+
+def look_at_slips(
+    bent: Sequence[BentLine],
+    line: Line,
+    makers: Sequence[Candidate],
+    base: Fit,
+    pool: Executor | None,
+    progress: Progress,
+) -> tuple[list[tuple[Work, list[SlipSearch]]], float]:
+    """Return what laws on top of effects make of the slips, each as work, and the error of a law alone there.
+
+    Where the line explains the breakaways as it is, all effects are asked beside the best law, which is judged alone on
+    that line; else those that bend it best beside the best laws, which are judged by their fits.
+    """
+    progress("what sets how far the slips go", 0.0)
+    chosen = [(each, law) for each in bent[:BENDS] for law in makers[:MAKERS]]
+    if line.is_explained:
+        chosen = [(each, makers[0]) for each in bent]
+    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each, law in chosen]
+    found = (pool.map if pool else map)(slips_of, work, [each.line for each, _ in chosen])
+    looked = list(zip(work, found, strict=True))
+    if not line.is_explained:
+        return looked, min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
+    law = slips_of(Work(on_the_line(base.problem, line), makers[0].effects, True), line)
+    return looked, law[0].found.error if law else math.inf
 
 
 def stops_by_reading(cause: Candidate) -> bool:
@@ -98,32 +129,29 @@ def nearest_at_slips(looked: Sequence[tuple[Work, list[SlipSearch]]], alone: flo
     return [replace(each, slips=slips) for error, each, slips in begun if error <= CLOSE_AT_SLIPS * begun[0][0]][:MOST]
 
 
-def slips_of(work: Work) -> list[SlipSearch]:
-    """Return what the last effect of a cause makes of the slips beside the others."""
-    return slips_by(work.fit, effect_of_key(work.effects[-1]))
+def slips_of(work: Work, line: Line) -> list[SlipSearch]:
+    """Return what the last effect of a cause makes of the slips beside the others, on a line through breakaways."""
+    return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
 
 
-def bent_lines(alone: Sequence[Candidate], pool: Executor | None, progress: Progress) -> list[BentLine]:
-    """Return the effects that bring the breakaways onto a line as well as the best of them does, that one first.
-
-    Empty where breakaways are few, or lie on the line as it is.
-    """
-    base = alone[0].fit
-    line = straight_line(base)
-    if line is None:
-        return []
+def bent_lines(alone: Sequence[Candidate], line: Line, pool: Executor | None, progress: Progress) -> list[BentLine]:
+    """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first."""
     progress("what bends the line through the breakaways", 0.0)
     effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
-    laid = (pool.map if pool else map)(partial(bent_line, base, line), effects)
+    laid = (pool.map if pool else map)(partial(bent_line, alone[0].fit, line), effects)
     bent = sorted((each for each in laid if each is not None), key=lambda each: each.line.error)
-    within = max(AS_WELL * bent[0].line.error, OFF_THE_LINE * line.count) if bent else 0.0
-    return [each for each in bent if each.line.error <= within]
+    return [each for each in bent if each.line.is_explained or each.line.error <= AS_WELL * bent[0].line.error]
 
 
 def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:
     """Return what makes the stem jump, if it is the best alone, on top of the best other effects."""
-    order = sorted(alone[1:], key=misfit)
-    if order[0] is not maker or effect_of_key(maker.effects[0]).is_chaotic:
+    if not is_best_alone(maker, alone) or effect_of_key(maker.effects[0]).is_chaotic:
         return []
+    order = sorted(alone[1:], key=misfit)
     quick = [each for each in order if not effect_of_key(each.effects[0]).is_jagged and not each.has_series]
     return [Work(each.fit, (*each.effects, *maker.effects), is_global=True) for each in quick[:BESIDE]]
+
+
+def is_best_alone(maker: Candidate, alone: Sequence[Candidate]) -> bool:
+    """Return whether no effect alone comes nearer than a law."""
+    return maker is min(alone[1:], key=misfit)

@@ -12,7 +12,7 @@ from identification.breakaway import FAR, Line, breakaways_of, line_through, slo
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.screening import joined, residual_positions
+from identification.screening import joined, residual_positions, shrunk
 from identification.search import Found, errors
 from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
@@ -25,11 +25,11 @@ STRAIGHT = frozenset(
 LEAST_BREAKAWAYS = 12
 """Breakaways that a line needs which is bent."""
 
-OFF_THE_LINE = 0.3
-"""Squared error of a breakaway from which a line does not explain it. [spread^2]"""
-
 MUCH_NEARER = 0.3
-"""Share of the line's error below which an effect must bring it."""
+"""Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
+
+FOLLOWED = 4
+"""Most promising starts of an effect from which a line is laid; some lead where none follows."""
 
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
@@ -54,22 +54,25 @@ class BentLine:
     @property
     def fit(self) -> Fit:
         """The base valve and the effect on the line; its Coulomb friction is the breakaway force."""
-        error = float(errors(self.problem, self.line.point[None, :])[0])
-        return finished(self.problem, Found(self.line.point, error))
+        return on_the_line(self.problem, self.line)
+
+
+def on_the_line(problem: Problem, line: Line) -> Fit:
+    """Return a problem's fit on a line through its breakaways."""
+    return finished(problem, Found(line.point, float(errors(problem, line.point[None, :])[0])))
 
 
 def straight_line(fit: Fit) -> Line | None:
-    """Return the line through the breakaways of a base valve; None where they are few, or lie on it well enough."""
+    """Return the line through the breakaways of a base valve; None where they are few."""
     breakaways = breakaways_of(fit.problem)
     if fit.problem.has_loop or len(breakaways.position) < LEAST_BREAKAWAYS:
         return None
-    line = line_through(breakaways, fit.found.point)
-    return line if line.error > OFF_THE_LINE * line.count else None
+    return line_through(breakaways, fit.found.point)
 
 
 @threadpool_limits.wrap(limits=1)
 def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
-    """Bend the line of a fit by an effect, from the start that promises most; None where that brings it no nearer.
+    """Bend the line of a fit by an effect, from the starts that promise most; None where the breakaways lie off it.
 
     Parameters
     ----------
@@ -80,9 +83,15 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     """
     if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
-    problem, point, _ = min(promised(fit, line, effect), key=lambda each: each[2])
-    bent = line_through(replace(line.breakaways, problem=problem), point)
-    return BentLine(effect, problem, bent) if bent.error < MUCH_NEARER * line.error else None
+    starts = sorted(promised(fit, line, effect), key=lambda each: each[2])[:FOLLOWED]
+    small = shrunk(effect, starts[0][0].model.effects[effect.key])
+    begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
+    laid = [
+        BentLine(effect, problem, line_through(replace(line.breakaways, problem=problem), point))
+        for problem, point in begun
+    ]
+    bent = min(laid, key=lambda each: each.line.error)
+    return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None
 
 
 def promised(fit: Fit, line: Line, effect: Effect) -> Iterator[tuple[Problem, np.ndarray, float]]:

@@ -31,6 +31,9 @@ TO_THE_MIDDLE = 0.02
 LINE = ("spring_rate", "coulomb_friction", *GAP)
 """Unknowns that the line determines; the Coulomb friction stands for the breakaway force."""
 
+OFF_THE_LINE = 0.3
+"""Squared error of a breakaway from which a line does not explain it. [spread^2]"""
+
 LOST_WAY = 1.0
 """Way to a breakaway that counts where numbers lead to no pressure. [m]"""
 
@@ -173,6 +176,11 @@ class Line:
     def count(self) -> int:
         """Number of breakaways."""
         return len(self.breakaways.position)
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether the breakaways lie on the line as well as can be told."""
+        return self.error <= OFF_THE_LINE * self.count
 
 
 def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:

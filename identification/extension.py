@@ -8,11 +8,12 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from identification.breakaway import Line
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
-from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened
+from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened, shrunk
 from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
 from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
 from valvemodel.declarations import Effect
@@ -42,10 +43,6 @@ CLOSE = 1.5
 
 RENEWED = (3, 2)
 """Steps of a search on which its derivatives serve, while starts are compared and while the best is followed."""
-
-SHRUNK = 0.1
-"""Share of a start's size that is tried where the start itself leads away from the fit."""
-
 
 WORTH_LONG = 0.02
 """Share of a fit's error that starts must promise to explain for an effect to be followed whose runs take long."""
@@ -172,8 +169,17 @@ def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
 
 
 @threadpool_limits.wrap(limits=1)
-def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearch]:
+def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None, line: Line | None = None) -> list[SlipSearch]:
     """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
+
+    Parameters
+    ----------
+    fit : Fit
+    effect : Effect
+    kin : Fit or None
+        The fit extended by a kindred effect.
+    line : Line or None
+        Through the breakaways of the fit, if it was laid.
 
     Returns
     -------
@@ -181,7 +187,7 @@ def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None) -> list[SlipSearc
         Empty where there are no stairs, or where the slips are not explained much better than without the effect, or
         than by its kin.
     """
-    line = line_of_stairs(fit.problem, fit.found.point)
+    line = line or line_of_stairs(fit.problem, fit.found.point)
     if line is None:
         return []
     begun = search_slips(effect, line, forms_of(fit, effect))
@@ -271,14 +277,7 @@ def as_given(fit: Fit, trial: Trial) -> np.ndarray:
 def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
     plain = next(trial for trial in trials if not adds_series(fit, trial))
-    start = plain.problem.model.effects[effect.key]
-    neutral = {parameter.name: parameter.neutral for parameter in effect.parameters}
-    small = {
-        each.name: neutral[each.name] + SHRUNK * (start[each.name] - neutral[each.name])
-        if each.scale == "linear" and each.is_fitted and math.isfinite(each.neutral)
-        else start[each.name]
-        for each in effect.parameters
-    }
+    small = shrunk(effect, plain.problem.model.effects[effect.key])
     problem, point = joined(fit.problem, fit.found.point, effect, small)
     best = descend(problem, point, evaluations=10, precision=1e-4)
     return (problem, best) if best.error <= fit.found.error else at_neutral(fit, effect)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +28,9 @@ TRIED_FORCE = 0.25
 
 SIZE, GENERATIONS = 8, 25
 """Points of a global search for each number of an effect, and generations."""
+
+SHRUNK = 0.1
+"""Share of a start's size that is tried where the start itself leads away from the fit."""
 
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
@@ -179,6 +183,16 @@ def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str,
     )
     scaled = np.array([unknown.scaled(start[unknown.name]) for unknown in added])
     return extended, np.concatenate([point, scaled])
+
+
+def shrunk(effect: Effect, start: Mapping[str, float]) -> dict[str, float]:
+    """Return a start of an effect at a small part of its size; the numbers that are no sizes stay."""
+    return {
+        each.name: each.neutral + SHRUNK * (start[each.name] - each.neutral)
+        if each.scale == "linear" and each.is_fitted and math.isfinite(each.neutral)
+        else start[each.name]
+        for each in effect.parameters
+    }
 
 
 def residual_positions(fit: Fit) -> list[np.ndarray]:
