@@ -64,7 +64,8 @@ def beside_slips(
     base = alone[0]
     has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
     laws = [each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway]
-    makers = sorted((each for each in laws if has_stairs or not effect_of_key(each.effects[0]).is_chaotic), key=misfit)
+    laws.sort(key=misfit)
+    makers = [each for each in laws if has_stairs or not effect_of_key(each.effects[0]).is_chaotic]
     if not makers or any_explains(alone):
         return []
     if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
@@ -79,7 +80,9 @@ def beside_slips(
     bent = bent_lines(alone, line, pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
-    looked, alone_at_slips = look_at_slips(bent, line, makers, base.fit, pool, progress)
+    # A line that one effect bends shows stairs, if it is not the law alone that does.
+    chosen = makers[:1] if line.is_explained else laws[:MAKERS]
+    looked, alone_at_slips = look_at_slips(bent, line, chosen, base.fit, pool, progress)
     if not any(slips for _, slips in looked):
         known = [replace(each, slips=[]) for each, _ in looked[:MAKERS]]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
@@ -89,27 +92,25 @@ def beside_slips(
 def look_at_slips(
     bent: Sequence[BentLine],
     line: Line,
-    makers: Sequence[Candidate],
+    laws: Sequence[Candidate],
     base: Fit,
     pool: Executor | None,
     progress: Progress,
 ) -> tuple[list[tuple[Work, list[SlipSearch]]], float]:
     """Return what laws on top of effects make of the slips, each as work, and the error of a law alone there.
 
-    Where the line explains the breakaways as it is, all effects are asked beside the best law, which is judged alone on
-    that line; else those that bend it best beside the best laws, which are judged by their fits.
+    Where the line explains the breakaways as it is, all effects are asked, and the law is judged alone on that line;
+    else those that bend it best, and the laws are judged by their fits.
     """
     progress("what sets how far the slips go", 0.0)
-    chosen = [(each, law) for each in bent[:BENDS] for law in makers[:MAKERS]]
-    if line.is_explained:
-        chosen = [(each, makers[0]) for each in bent]
-    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each, law in chosen]
-    found = (pool.map if pool else map)(slips_of, work, [each.line for each, _ in chosen])
+    asked = bent if line.is_explained else bent[:BENDS]
+    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in asked for law in laws]
+    found = (pool.map if pool else map)(slips_of, work, [each.line for each in asked for _ in laws])
     looked = list(zip(work, found, strict=True))
     if not line.is_explained:
-        return looked, min(error_at_rests(each.fit.problem, each.fit.found.point) for each in makers)
-    law = slips_of(Work(on_the_line(base.problem, line), makers[0].effects, True), line)
-    return looked, law[0].found.error if law else math.inf
+        return looked, min(error_at_rests(each.fit.problem, each.fit.found.point) for each in laws)
+    alone = slips_of(Work(on_the_line(base.problem, line), laws[0].effects, True), line)
+    return looked, alone[0].found.error if alone else math.inf
 
 
 def stops_by_reading(cause: Candidate) -> bool:
