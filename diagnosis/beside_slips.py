@@ -8,6 +8,8 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
@@ -15,11 +17,13 @@ from identification.breakaway import Line
 from identification.extension import slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.stick_slip import SlipSearch, error_at_rests
+from identification.stick_slip import LEAST_STEPS, SlipSearch
+from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
 MAKERS, BENDS = 2, 4
-"""Laws of stick-slip, the best alone, and effects that bend the line, the best ones, whose slips are looked at."""
+"""Laws of stick-slip, the best alone, and effects that bend the line, the best ones, whose slips are looked at, beside
+those that bring the breakaways onto it."""
 
 BESIDE = 3
 """Effects on top of which the law is tried where no line tells which."""
@@ -70,14 +74,15 @@ def beside_slips(
         return []
     if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
         return []
-    if any(stops_by_reading(each) and misfit(each) < misfit(makers[0]) for each in alone[1:]):
+    least = min(misfit(makers[0]), SOME * misfit(base))
+    if any(stops_by_reading(each) and misfit(each) < least for each in alone[1:]):
         return []
     line = straight_line(base.fit)
     on_top = beside_the_best(alone, makers[0])
     # Where all breakaways lie on the line as it is, only slips tell; a law that is not the best alone has none there.
     if line is None or (line.is_explained and not is_best_alone(makers[0], alone)):
         return try_all(on_top, holdout, pool, progress, WHAT)
-    bent = bent_lines(alone, line, pool, progress)
+    bent = bent_lines(base.fit, line, [effect_of_key(each.effects[0]) for each in alone[1:]], pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
     # A line that one effect bends shows stairs, if it is not the law alone that does.
@@ -99,18 +104,30 @@ def look_at_slips(
 ) -> tuple[list[tuple[Work, list[SlipSearch]]], float]:
     """Return what laws on top of effects make of the slips, each as work, and the error of a law alone there.
 
-    Where the line explains the breakaways as it is, all effects are asked, and the law is judged alone on that line;
-    else those that bend it best, and the laws are judged by their fits.
+    Beside the effect with which the breakaways lie nearest to a line the laws are compared; beside the others that do
+    as well the better one is asked. Alone it is judged in the same way, on the line as it is.
     """
     progress("what sets how far the slips go", 0.0)
-    asked = bent if line.is_explained else bent[:BENDS]
-    work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in asked for law in laws]
-    found = (pool.map if pool else map)(slips_of, work, [each.line for each in asked for _ in laws])
-    looked = list(zip(work, found, strict=True))
-    if not line.is_explained:
-        return looked, min(error_at_rests(each.fit.problem, each.fit.found.point) for each in laws)
-    alone = slips_of(Work(on_the_line(base.problem, line), laws[0].effects, True), line)
+
+    def look(chosen: Sequence[BentLine], beside: Sequence[Candidate]) -> list[tuple[Work, list[SlipSearch]]]:
+        work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in chosen for law in beside]
+        lines = [each.line for each in chosen for _ in beside]
+        return list(zip(work, (pool.map if pool else map)(slips_of, work, lines), strict=True))
+
+    looked = look(bent[:1], laws)
+    errors = [slips[0].found.error if slips else math.inf for _, slips in looked]
+    law = laws[int(np.argmin(errors))]
+    looked += look([each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)], [law])
+    alone = slips_of(Work(on_the_line(base.problem, line), law.effects, True), line)
     return looked, alone[0].found.error if alone else math.inf
+
+
+def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
+    """Return whether one of some effects brings the steps of stairs onto a line on which they do not lie without."""
+    line = straight_line(base)
+    if line is None or line.is_explained or line.breakaways.on_the_way(line.point) < LEAST_STEPS:
+        return False
+    return any(each.line.is_explained for each in bent_lines(base, line, effects, pool, progress))
 
 
 def stops_by_reading(cause: Candidate) -> bool:
@@ -135,11 +152,12 @@ def slips_of(work: Work, line: Line) -> list[SlipSearch]:
     return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
 
 
-def bent_lines(alone: Sequence[Candidate], line: Line, pool: Executor | None, progress: Progress) -> list[BentLine]:
+def bent_lines(
+    base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[BentLine]:
     """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first."""
     progress("what bends the line through the breakaways", 0.0)
-    effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
-    laid = (pool.map if pool else map)(partial(bent_line, alone[0].fit, line), effects)
+    laid = (pool.map if pool else map)(partial(bent_line, base, line), effects)
     bent = sorted((each for each in laid if each is not None), key=lambda each: each.line.error)
     return [each for each in bent if each.line.is_explained or each.line.error <= AS_WELL * bent[0].line.error]
 

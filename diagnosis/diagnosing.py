@@ -268,7 +268,7 @@ def diagnose_with(
     if slowness:
         holdout = hold_out(experiments)
         base = fit_base(model, holdout.experiments, holdout.fitted)
-    experiments, holdout, base = on_stairs(experiments, holdout, base, model)
+    experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
     first = Candidate((), base, score_fit(base, holdout))
     tried = try_first(first, holdout, library, pool, progress)
     seen = stairs_beside(tried, experiments, model)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 
+from diagnosis.beside_slips import bends_to_stairs
 from diagnosis.explaining import GOOD_ENOUGH, misfit
 from diagnosis.selection import best_of
-from diagnosis.trying import Candidate
+from diagnosis.trying import Candidate, Progress
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
+from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
@@ -26,11 +29,19 @@ STEPPED = 0.5
 
 
 def on_stairs(
-    experiments: list[Experiment], holdout: Holdout, base: Fit, model: Model
+    experiments: list[Experiment],
+    holdout: Holdout,
+    base: Fit,
+    library: Sequence[Effect],
+    model: Model,
+    pool: Executor | None,
+    progress: Progress,
 ) -> tuple[list[Experiment], Holdout, Fit]:
     """Return experiments, their parts and the base refitted to them, where they have stairs; else all as it was."""
     read = tempered(experiments, base, model)
-    return read if read and makes_stairs(read[2]) else (experiments, holdout, base)
+    if read and makes_stairs(read[2], library, pool, progress):
+        return read
+    return experiments, holdout, base
 
 
 def stairs_beside(
@@ -84,16 +95,18 @@ def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment
     ]
 
 
-def makes_stairs(base: Fit) -> bool:
-    """Return whether an effect that makes the stem stop again and again explains much of what is left.
+def makes_stairs(base: Fit, library: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
+    """Return whether what makes the stem stop again and again explains much of what is left, alone or beside another.
 
     A reading in coarse steps does not count: no slip comes early in it. Where the readings show such steps, an effect
-    must explain much of what these leave.
+    must explain much of what these leave. Beside another effect it does where that brings the steps onto a line.
     """
     makers = [each for each in EFFECTS if each.breakaway and not each.is_chaotic]
     readings = [extend(base, each.key) for each in EFFECTS if each.is_read_off]
     least = min((base, *readings), key=lambda fit: fit.found.error)
-    return any(
+    alone = any(
         bool(slips_by(base, each, least)) or extend(base, each.key, slips=[]).found.error < STEPPED * least.found.error
         for each in makers
     )
+    has_steps = least.found.error < STEPPED * base.found.error
+    return alone or (not has_steps and bends_to_stairs(base, library, pool, progress))

@@ -17,10 +17,8 @@ from identification.search import Found, errors
 from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
 
-STRAIGHT = frozenset(
-    {"coil_lag", "transport_delay", "chamber_filling", "asymmetric_filling", "asymmetric_viscous_friction"}
-)
-"""Effects that leave force and reading of a rest as they are, but for a delay."""
+STRAIGHT = frozenset({"asymmetric_viscous_friction", "transport_delay"})
+"""Effects that leave force and reading of a rest as they are, or but for whole samples."""
 
 LEAST_BREAKAWAYS = 12
 """Breakaways that a line needs which is bent."""
@@ -28,7 +26,7 @@ LEAST_BREAKAWAYS = 12
 MUCH_NEARER = 0.3
 """Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
 
-FOLLOWED = 4
+FOLLOWED = 3
 """Most promising starts of an effect from which a line is laid; some lead where none follows."""
 
 ANSWER = 3.0

@@ -213,10 +213,7 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
 
 
 def _laid(
-    residuals: Callable[[np.ndarray], np.ndarray],
-    problem: Problem,
-    point: np.ndarray,
-    columns: np.ndarray,
+    residuals: Callable[[np.ndarray], np.ndarray], problem: Problem, point: np.ndarray, columns: np.ndarray
 ) -> tuple[np.ndarray, float]:
     from scipy.optimize import least_squares
 

@@ -24,6 +24,7 @@ from identification.search import errors
 from identification.staircase import stops_on_the_way
 from identification.unknowns import base_unknowns
 from valvemodel.records import Record
+from valvemodel.stages import EFFECTS
 
 
 def plant_with(seed: int, *effects: str, duration: float = 150.0) -> Experiment:
@@ -47,7 +48,7 @@ def test_stick_slip_is_found_where_single_slips_come_early(given, sticking):
     assert math.isfinite(stepped.reach)
     holdout = hold_out([stepped])
     base = base_of(given, stepped)
-    assert makes_stairs(base)
+    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
     found = extend(base, "static_friction")
     before, after = score_fit(base, holdout), score_fit(found, holdout)
     assert after.misfit < 0.25 * before.misfit
@@ -56,7 +57,9 @@ def test_stick_slip_is_found_where_single_slips_come_early(given, sticking):
 
 
 def test_a_lag_makes_no_stairs(given):
-    assert not makes_stairs(base_of(given, plant_with(31, "sensor_lag", duration=60.0)))
+    assert not makes_stairs(
+        base_of(given, plant_with(31, "sensor_lag", duration=60.0)), EFFECTS, None, lambda *what: None
+    )
 
 
 def test_a_reading_in_coarse_steps_makes_no_stairs(given, quiet):
@@ -64,7 +67,7 @@ def test_a_reading_in_coarse_steps_makes_no_stairs(given, quiet):
     stepped = replace(quiet, position=np.round(quiet.position / step) * step)
     (judged,) = with_stairs([stepped], base_of(given, stepped))
     assert math.isfinite(judged.reach)
-    assert not makes_stairs(base_of(given, judged))
+    assert not makes_stairs(base_of(given, judged), EFFECTS, None, lambda *what: None)
 
 
 def test_a_valve_without_effect_keeps_its_squares(given, quiet):

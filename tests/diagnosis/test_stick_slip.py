@@ -19,6 +19,7 @@ from identification.rests import put_on_rests, rests_of
 from identification.stick_slip import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
+from valvemodel.stages import EFFECTS
 
 NOISE = 1e-4
 
@@ -93,7 +94,7 @@ def test_the_breakaway_force_stays_while_the_slips_change(falling):
 
 def test_falling_friction_is_explained(falling):
     plant, holdout, base = falling
-    assert makes_stairs(base)
+    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
     found = extend(base, "stribeck")
     before, after = score_fit(base, holdout), score_fit(found, holdout)
     assert before.misfit > 20.0
@@ -113,7 +114,7 @@ def test_a_measured_pressure_tells_the_gap_whatever_the_stem_does(given):
 
 def test_static_friction_of_bonds_is_explained(sticking):
     _, holdout, base = sticking
-    assert makes_stairs(base)
+    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
     before, after = score_fit(base, holdout), score_fit(extend(base, "static_friction"), holdout)
     assert after.misfit < 0.4 * before.misfit
 
