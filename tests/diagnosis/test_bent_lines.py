@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from diagnosis import beside_slips as slips
-from diagnosis.beside_slips import beside_the_best
+from diagnosis.beside_slips import bends_to_stairs, bent_lines, beside_the_best, look_at_slips
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
@@ -58,7 +58,7 @@ def test_the_way_to_a_breakaway_ends_where_friction_just_holds(given):
 def test_breakaways_of_stick_slip_alone_lie_on_the_line(given):
     for seed in (9201, 9203):
         _, _, base = plant_and_base(given, seed, "stribeck")
-        assert straight_line(base) is None
+        assert straight_line(base).is_explained
 
 
 def test_the_effect_that_bends_the_line_is_the_plant_s(drifting):
@@ -75,8 +75,37 @@ def test_the_effect_that_bends_the_line_is_the_plant_s(drifting):
 def test_effects_that_leave_rests_as_they_are_bend_no_line(drifting):
     _, _, base = drifting
     line = straight_line(base)
-    for key in ("static_friction", "presliding", "sensor_lag", "transport_delay", "chamber_filling"):
+    for key in ("static_friction", "presliding", "sensor_lag", "transport_delay", "asymmetric_viscous_friction"):
         assert bent_line(base, line, effect_of_key(key)) is None
+
+
+def test_a_lag_bends_the_line_as_well(given):
+    _, _, base = plant_and_base(given, 9401, "coil_lag", "stribeck")
+    line = straight_line(base)
+    assert not line.is_explained
+    bent = bent_line(base, line, effect_of_key("coil_lag"))
+    assert bent.line.error < 0.05 * line.error
+    assert bends_to_stairs(base, [effect_of_key("coil_lag")], None, lambda *what: None)
+    assert not bends_to_stairs(base, [effect_of_key("gap_drift")], None, lambda *what: None)
+
+
+def test_no_stairs_are_seen_where_the_line_is_straight(given):
+    _, _, base = plant_and_base(given, 9201, "stribeck")
+    assert not bends_to_stairs(base, [effect_of_key("coil_lag")], None, lambda *what: None)
+
+
+def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
+    """Asymmetric friction is a constant force to the breakaways; how far a slip goes tells it from others."""
+    _, holdout, base = plant_and_base(given, 9406, "asymmetric_friction", "static_friction")
+    line = straight_line(base)
+    assert line.error < line.count
+    keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
+    bent = bent_lines(base, line, [effect_of_key(key) for key in keys], None, lambda *what: None)
+    law = Candidate(("static_friction",), base, score_fit(base, holdout))
+    looked, alone = look_at_slips(bent, line, [law], base, None, lambda *what: None)
+    errors_by = {work.effects[0]: found[0].found.error for work, found in looked if found}
+    assert set(errors_by) == set(keys)
+    assert errors_by["asymmetric_friction"] < 0.7 * min(errors_by["friction_drift"], errors_by["sensor_drift"], alone)
 
 
 def test_stick_slip_is_found_on_top_of_what_bends_the_line(given):
@@ -133,7 +162,7 @@ def test_where_no_line_tells_the_law_comes_on_top_of_the_best_others():
 
 def test_slips_are_not_looked_at_where_a_coarse_reading_comes_nearer(monkeypatch):
     monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
-    monkeypatch.setattr(slips, "bent_lines", lambda *_: pytest.fail("looked at"))
+    monkeypatch.setattr(slips, "straight_line", lambda *_: pytest.fail("looked at"))
     problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
     base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
     alone = [base, named(30.0, "static_friction"), named(10.0, "quantisation"), named(20.0, "area_variation")]
@@ -153,7 +182,7 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
 ):
     looked = []
     monkeypatch.setattr(slips, "stops_seen", lambda fit: has_stops)
-    monkeypatch.setattr(slips, "bent_lines", lambda *given: looked.append(given) or [])
+    monkeypatch.setattr(slips, "straight_line", lambda *given: looked.append(given))
     base = named(40.0)
     base = replace(base, fit=SimpleNamespace(problem=SimpleNamespace(experiments=[SimpleNamespace(has_stairs=False)])))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(20.0, "supply_droop")]
