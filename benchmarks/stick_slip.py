@@ -17,6 +17,7 @@ from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.stages import EFFECTS
 from valvemodel.valves import read_valve
 
 KEYS = ("stribeck", "static_friction")
@@ -28,7 +29,7 @@ def prepare(record: Record) -> tuple[Holdout, Fit]:
     model, experiments = Model(valve.name, valve.values), [experiment_of(record)]
     holdout = hold_out(experiments)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    _, holdout, base = on_stairs(experiments, holdout, base, model)
+    _, holdout, base = on_stairs(experiments, holdout, base, EFFECTS, model, None, lambda what, share: None)
     return holdout, base
 
 
