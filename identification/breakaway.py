@@ -131,7 +131,9 @@ class Breakaways:
         is_ramped = self.is_ramped(point)
         within = np.abs(np.diff(self.positions(point[None, :]), axis=0))[0, 0] / np.sqrt(12.0) + self.spread
         slopes = slopes_of(self.centred, point, columns) * (self.spread / within)[:, None]
-        _, sizes, directions = np.linalg.svd(slopes[is_ramped], full_matrices=False)
+        _, sizes, directions = np.linalg.svd(slopes[is_ramped])
+        # What fewer breakaways than unknowns do not tell is open.
+        sizes = np.pad(sizes, (0, len(columns) - len(sizes)))
         return directions.T / np.maximum(sizes, 1.0 / WIDEST_SLACK)
 
     def on_the_way(self, point: np.ndarray) -> int:

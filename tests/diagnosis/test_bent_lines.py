@@ -125,6 +125,16 @@ def test_a_line_leaves_open_no_more_than_it_may(drifting):
     assert line_through(breakaways_of(base.problem), base.found.point).error > bent.error
 
 
+def test_a_line_leaves_open_what_few_breakaways_do_not_tell(drifting):
+    _, _, base = drifting
+    every = breakaways_of(base.problem)
+    few = replace(every, rests=[rests[:2] for rests in every.rests])
+    columns = straight_line(base).columns
+    slack = few.slack(base.found.point, columns)
+    assert slack.shape == (len(columns), len(columns))
+    assert np.linalg.norm(slack, axis=0).max() == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("seed", [9301, 9302, 9306])
 def test_a_search_about_a_jagged_fit_comes_nearer_to_what_it_was_given(given, seed):
     _, holdout, base = plant_and_base(given, seed, "sensor_drift", "static_friction", reach=np.inf)
