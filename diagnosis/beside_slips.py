@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -127,7 +127,8 @@ def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None,
     line = straight_line(base)
     if line is None or line.is_explained or line.breakaways.on_the_way(line.point) < LEAST_STEPS:
         return False
-    return any(each.line.is_explained for each in bent_lines(base, line, effects, pool, progress))
+    laid = lines_with(base, line, effects, pool, progress)
+    return any(each is not None and each.line.is_explained for each in laid)
 
 
 def stops_by_reading(cause: Candidate) -> bool:
@@ -156,10 +157,17 @@ def bent_lines(
     base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[BentLine]:
     """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first."""
-    progress("what bends the line through the breakaways", 0.0)
-    laid = (pool.map if pool else map)(partial(bent_line, base, line), effects)
+    laid = lines_with(base, line, effects, pool, progress)
     bent = sorted((each for each in laid if each is not None), key=lambda each: each.line.error)
     return [each for each in bent if each.line.is_explained or each.line.error <= AS_WELL * bent[0].line.error]
+
+
+def lines_with(
+    base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> Iterator[BentLine | None]:
+    """Return the lines with each of some effects, as they are done; those that nobody waits for are not begun."""
+    progress("what bends the line through the breakaways", 0.0)
+    return iter((pool.map if pool else map)(partial(bent_line, base, line), effects))
 
 
 def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:
