@@ -14,7 +14,7 @@ from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
 from identification.breakaway import Line
-from identification.extension import slips_by
+from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.stick_slip import LEAST_STEPS, SlipSearch
@@ -117,9 +117,37 @@ def look_at_slips(
     looked = look(bent[:1], laws)
     errors = [slips[0].found.error if slips else math.inf for _, slips in looked]
     law = laws[int(np.argmin(errors))]
-    looked += look([each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)], [law])
+    chosen = [each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)]
+    looked += look(chosen, [law])
+    lines = [*(bent[0].line for _ in laws), *(each.line for each in chosen)]
+    looked = looked_at_again(looked, lines, pool)
     alone = slips_of(Work(on_the_line(base.problem, line), law.effects, True), line)
     return looked, alone[0].found.error if alone else math.inf
+
+
+def looked_at_again(
+    looked: Sequence[tuple[Work, list[SlipSearch]]], lines: Sequence[Line], pool: Executor | None
+) -> list[tuple[Work, list[SlipSearch]]]:
+    """Return what was looked at, the law that came nearest tried again beside the other effects, near its numbers.
+
+    A search that did not come near them leaves an effect behind that is as good.
+    """
+    found = [slips[0] for _, slips in looked if slips]
+    if not found:
+        return list(looked)
+    nearest = min(found, key=lambda each: each.found.error)
+    law = next(work.effects[-1] for work, slips in looked if slips and slips[0] is nearest)
+    others = [
+        (n, work) for n, (work, slips) in enumerate(looked) if work.effects[-1] == law and nearest not in slips[:1]
+    ]
+    again = (pool.map if pool else map)(
+        partial(slips_again, nearest), [work for _, work in others], [lines[n] for n, _ in others]
+    )
+    better = dict(zip((n for n, _ in others), again, strict=True))
+    return [
+        (work, sorted([*slips, *better.get(n, [])], key=lambda each: each.found.error))
+        for n, (work, slips) in enumerate(looked)
+    ]
 
 
 def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
@@ -151,6 +179,11 @@ def nearest_at_slips(looked: Sequence[tuple[Work, list[SlipSearch]]], alone: flo
 def slips_of(work: Work, line: Line) -> list[SlipSearch]:
     """Return what the last effect of a cause makes of the slips beside the others, on a line through breakaways."""
     return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
+
+
+def slips_again(nearest: SlipSearch, work: Work, line: Line) -> list[SlipSearch]:
+    """Return what the last effect of a cause makes of the slips beside the others, near what it made beside another."""
+    return slips_beside(nearest, work.fit, effect_of_key(work.effects[-1]), line)
 
 
 def bent_lines(

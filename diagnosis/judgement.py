@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.explaining import explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.score import Errors, Score
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key
@@ -207,8 +207,9 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """Return the log-likelihoods that causes lose against the nearest one of as many effects that explains the gap.
 
     What is below notice says nothing of whether there is another effect, but all causes miss that alike: of those that
-    remain it is the right one that comes nearest, unless another comes nearer by many more numbers. A whole series of
-    waves takes in most of what is below notice: what comes nearer by one more effect beside it counts as well.
+    remain it is the right one that comes nearest, unless another comes nearer by more numbers, each of which takes in a
+    part. A whole series of waves takes in most of it: what comes nearer by one more effect beside it counts as well,
+    and what a few numbers bring to the noise is no series.
 
     Parameters
     ----------
@@ -218,14 +219,19 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """
     lost = np.zeros(len(candidates))
     for number, each in enumerate(candidates):
-        others = (candidates[end] for end in ends)
+        others = [candidates[end] for end in ends]
         peers = [
-            misfit(other)
+            misfit(other) + BEHIND * max(other.freedom - each.freedom, 0)
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
         lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
+        if each.has_series and any(
+            not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
+            for other in others
+        ):
+            lost[number] = MOST_BEHIND
     return lost
 
 

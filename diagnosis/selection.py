@@ -10,6 +10,7 @@ from functools import partial
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
+from diagnosis.jointly import try_jointly
 from diagnosis.judgement import is_felt
 from diagnosis.trying import (
     Candidate,
@@ -37,13 +38,6 @@ LEADERS = 2
 
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
-
-MORE_LEADERS = 3
-"""Further causes that are tried with one more effect where no pair of the leaders explains the record: what comes
-nearest alone may stand in for two."""
-
-SHORTLIST_BEHIND, BEST_BEHIND = 2, 2
-"""Effects that are tried beside each of those, by what they promise and because they are the best alone."""
 
 SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
@@ -214,59 +208,103 @@ def try_together(
         The base, then the effects one by one, and the pairs that were tried already.
     """
     base, tried = first[0], list(first)
-    settles = partial(is_settled, base=base)
-    single = values_alone(tried)
     for size in range(2, MOST_EFFECTS + 1):
-        if any_explains(tried, generous=size > 2):
+        if is_explained(tried, size):
             break
         order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
-        if not order:
+        if not order or (size > 2 and any(effect_of_key(key).is_chaotic for key in order[0].effects)):
             break
-        leaders = leaders_of(order)
-        if size > 2 and any(effect_of_key(key).is_chaotic for key in leaders[0].effects):
+        if size == 2 and not breaks_off(order[0]):
+            tried = with_better(tried, try_jointly(tried, holdout, pool, progress))
+        if not is_told(tried) and not any(explains(each, base) for each in order):
+            tried = on_top_of_the_best(tried, order, holdout, pool, progress)
+        best = best_of(tried, size)
+        if not best or misfit(best[0]) > NO_GAIN * misfit(order[0]):
             break
-        what = f"{size} effects together"
-        for leader in leaders:
-            work = extensions([leader], tried, single, SHORTLIST, pool)
-            # Readings in coarse steps tell less: what is not alike may come as near.
-            until = settles if not is_read_off(leader) else never
-            for part in (local(work), wide(work)):
-                tried += try_all(still_called_for(part, tried), holdout, pool, progress, what, until)
-            if any(map(settles, tried)):
-                break
         if size == 2:
-            for leader in behind(order, leaders):
-                if any_explains(tried):
-                    break
-                work = beside_what_is_behind(leader, tried, single, pool)
-                tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
-            work = overlooked([*leaders, *behind(order, leaders)], tried, single)
-            tried = with_better(tried, try_all(work, holdout, pool, progress, what, settles))
-            tried = with_better(tried, try_all(left_alone(tried), holdout, pool, progress, what))
-        if not best_of(tried, size) or misfit(best_of(tried, size)[0]) > NO_GAIN * misfit(order[0]):
-            break
-        if not settles(best_of(tried, size)[0]):
-            without_first = set(best_of(tried, size)[0].effects[1:])
-            rest = [each for each in tried if set(each.effects) == without_first]
-            rest = [each for each in rest if all(each is not leader for leader in leaders)]
-            work = still_called_for(extensions(rest, tried, single, SHORTLIST_BACK, pool), tried)
-            tried += try_all(work, holdout, pool, progress, what)
-            if size == 2:
-                tried = with_better(tried, try_all(reversed_pairs(tried, single), holdout, pool, progress, what))
-        if size == 2:
-            done: set[frozenset[str]] = set()
-            for _ in range(ALIAS_ROUNDS):
-                work = [each for each in exchanged(tried) if frozenset(each.effects) not in done]
-                done |= {frozenset(each.effects) for each in work}
-                tried = with_better(tried, try_all(work, holdout, pool, progress, what))
-            tried = with_better(tried, each_in_turn(try_anew, worth_trying_anew(tried), holdout, pool, progress))
-            for choice in (best_of(tried, 2), aliases_of_best(tried)):
-                tried = with_better(tried, sharpen_all(blunt(choice, base), holdout, pool, progress))
+            tried = with_kindred(tried, holdout, pool, progress)
         else:
             tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
+
+
+def is_explained(tried: Sequence[Candidate], size: int) -> bool:
+    """Return whether what was tried leaves nothing for causes of so many effects to be looked for.
+
+    What may stand in for anything ends no search for two effects; a third is looked for where two leave much.
+    """
+    if size > 2:
+        return any_explains(tried, generous=True)
+    return any(explains(each, tried[0]) and not stands_in(each) for each in tried)
+
+
+def is_told(tried: Sequence[Candidate]) -> bool:
+    """Return whether the nearest two effects explain the record, and neither may stand in for anything."""
+    return any(explains(each, tried[0]) and not stands_in(each) for each in best_of(tried, 2)[:1])
+
+
+def breaks_off(candidate: Candidate) -> bool:
+    """Return whether the readings go in slips or in steps by a cause, so that small changes tell little."""
+    return is_read_off(candidate) or any(effect_of_key(key).breakaway for key in candidate.effects)
+
+
+def on_top_of_the_best(
+    tried: Sequence[Candidate],
+    order: Sequence[Candidate],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+) -> list[Candidate]:
+    """Try one more effect on top of the best causes, and of what the best of all is without its first effect.
+
+    Parameters
+    ----------
+    tried : sequence of Candidate
+        The base first.
+    order : sequence of Candidate
+        Causes of one effect less, the best first.
+    """
+    base, known = tried[0], list(tried)
+    settles, single, size = partial(is_settled, base=base), values_alone(tried), len(order[0].effects) + 1
+    leaders, what = leaders_of(order), f"{size} effects together"
+    for leader in leaders:
+        work = extensions([leader], known, single, SHORTLIST, pool)
+        # Readings in coarse steps tell less: what is not alike may come as near.
+        until = settles if not is_read_off(leader) else never
+        for part in (local(work), wide(work)):
+            known += try_all(still_called_for(part, known), holdout, pool, progress, what, until)
+        if any(map(settles, known)):
+            break
+    if size == 2:
+        known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
+    best = best_of(known, size)
+    if not best or misfit(best[0]) > NO_GAIN * misfit(order[0]) or settles(best[0]):
+        return known
+    without_first = set(best[0].effects[1:])
+    rest = [each for each in known if set(each.effects) == without_first]
+    rest = [each for each in rest if all(each is not leader for leader in leaders)]
+    work = still_called_for(extensions(rest, known, single, SHORTLIST_BACK, pool), known)
+    known += try_all(work, holdout, pool, progress, what)
+    if size == 2:
+        known = with_better(known, try_all(reversed_pairs(known, single), holdout, pool, progress, what))
+    return known
+
+
+def with_kindred(
+    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Return what was tried, with the best two effects exchanged for their aliases, searched for anew and about."""
+    known, done = list(tried), set[frozenset[str]]()
+    for _ in range(ALIAS_ROUNDS):
+        work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
+        done |= {frozenset(each.effects) for each in work}
+        known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
+    known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
+    for choice in (best_of(known, 2), aliases_of_best(known)):
+        known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))
+    return known
 
 
 def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
@@ -323,6 +361,12 @@ def is_settled(candidate: Candidate, base: Candidate) -> bool:
     return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
 
 
+def stands_in(candidate: Candidate) -> bool:
+    """Return whether an effect of a cause has so many free numbers that it may stand in for another, at little cost."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    return any(len(each.fitted) >= MANY_NUMBERS and not each.takes_long for each in effects) or candidate.has_series
+
+
 def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
     """Return the causes, of some in their order, that are tried with one more effect.
 
@@ -331,12 +375,6 @@ def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
     plain = [each for each in order if not each.has_series]
     leaders = [each for each in unlike(plain)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(plain[0])]
     return [*order[:1], *leaders] if order[0].has_series else leaders
-
-
-def behind(order: Sequence[Candidate], leaders: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes, of some in their order, that lead where no pair of the leaders explains the record."""
-    others = [each for each in order if not each.has_series and all(each is not leader for leader in leaders)]
-    return [each for each in others if misfit(each) < FAR_BEHIND * misfit(order[0])][:MORE_LEADERS]
 
 
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
@@ -424,45 +462,6 @@ def extensions(
                 work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
             else:
                 work.append(Work(leader.fit, effects, is_global, single[key]))
-    return worthwhile(work, tried)
-
-
-def beside_what_is_behind(
-    leader: Candidate, tried: Sequence[Candidate], single: dict[str, dict[str, float]], pool: Executor | None
-) -> list[Work]:
-    """Return what is tried on top of a cause that is no leader: the best alone, and what promises most.
-
-    A pair that was tried in the other order is tried again: the first of it may have led the search astray.
-    """
-    best = [each.effects[0] for each in unlike(best_of(tried, 1))[:BEST_BEHIND]]
-    certain = [key for key in best if key not in leader.effects]
-    keys = shortlist(leader.fit, single, certain, SHORTLIST_BEHIND, pool)
-    known = {each.effects for each in tried}
-    work = [Work(leader.fit, (*leader.effects, key), False, single[key]) for key in keys]
-    return worthwhile([each for each in work if each.effects not in known], tried)
-
-
-def overlooked(
-    leaders: Sequence[Candidate], tried: Sequence[Candidate], single: dict[str, dict[str, float]]
-) -> list[Work]:
-    """Return what promises nothing by slopes, as work on top of some causes where nothing explains the record.
-
-    Other numbers must first make room for what comes close to no effect: beside them it may explain much, at the size
-    that it has, and nothing at a small one. Runs of what takes long are too dear to be asked for a promise.
-    """
-    if any_explains(tried):
-        return []
-    known = {frozenset(each.effects) for each in tried}
-    plain = [each for each in leaders if not is_read_off(each) and not breaks_away(each)]
-    bearing = [each for each in plain if not each.has_series][:LEADERS]
-    work = []
-    for leader in plain:
-        is_bearing = any(leader is each for each in bearing)
-        for key in single:
-            effect = effect_of_key(key)
-            is_asked = "none" in effect.aliases or (effect.takes_long and is_bearing)
-            if is_asked and frozenset((*leader.effects, key)) not in known and key not in leader.effects:
-                work.append(Work(leader.fit, (*leader.effects, key), False, single[key]))
     return worthwhile(work, tried)
 
 

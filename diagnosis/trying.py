@@ -118,15 +118,20 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
                 slips=work.slips,
                 follows_all=work.follows_all,
             )
-        score, trace = score_fit(extended, holdout), trace_of(extended, holdout)
-        return Candidate(work.effects, extended, score, trace, freedom_of(extended), extended.problem.has_series)
+        return scored(work.effects, extended, holdout)
+
+
+def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:
+    """Score a fit with some effects, as a cause."""
+    score, trace = score_fit(fit, holdout), trace_of(fit, holdout)
+    return Candidate(effects, fit, score, trace, freedom_of(fit), fit.problem.has_series)
 
 
 def take_out(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
     """Take an effect out of a cause, fit the others from where they are, and score that."""
     fit = reduced(candidate.fit, key)
     effects = tuple(each for each in candidate.effects if each != key)
-    return Candidate(effects, fit, score_fit(fit, holdout), trace_of(fit, holdout), freedom_of(fit))
+    return scored(effects, fit, holdout)
 
 
 def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:

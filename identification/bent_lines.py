@@ -12,7 +12,7 @@ from identification.breakaway import FAR, Line, breakaways_of, line_through, slo
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.screening import joined, residual_positions, shrunk
+from identification.screening import SHRUNK, joined, residual_positions, resized
 from identification.search import Found, errors
 from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
@@ -26,7 +26,7 @@ LEAST_BREAKAWAYS = 12
 MUCH_NEARER = 0.3
 """Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
 
-FOLLOWED = 3
+FOLLOWED = 2
 """Most promising starts of an effect from which a line is laid; some lead where none follows."""
 
 ANSWER = 3.0
@@ -82,7 +82,7 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
     starts = sorted(promised(fit, line, effect), key=lambda each: each[2])[:FOLLOWED]
-    small = shrunk(effect, starts[0][0].model.effects[effect.key])
+    small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
     laid = [
         BentLine(effect, problem, line_through(replace(line.breakaways, problem=problem), point))

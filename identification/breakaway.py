@@ -12,7 +12,7 @@ from identification.experiment import simulate_rows
 from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
-from identification.unknowns import GAP
+from identification.unknowns import GAP, OF_GAP
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 
@@ -24,6 +24,12 @@ GRAIN = 0.14
 
 FAR = 3.0
 """Error beyond which a breakaway counts less: one that is none. [noise]"""
+
+COARSE, HOPELESS = 20.0, 80.0
+"""Twice the median error from which most are far, and after the coarse rounds, from which no line is laid. [spread]"""
+
+COARSE_ROUNDS, COARSE_EVALUATIONS, NEAR_EVALUATIONS = 2, 10, 20
+"""Rounds of a search in which what counts as far is told by how far most are, points of each, and of the last one."""
 
 TO_THE_MIDDLE = 0.02
 """Weight of the middle between the pressures that enclose a breakaway: where all is enclosed, it decides."""
@@ -89,12 +95,20 @@ class Breakaways:
         They are those of a stem without effects: the way that a filling actuator takes changes them little.
         """
         found = []
+        _, which, places = np.unique(points[:, self.acting], axis=0, return_index=True, return_inverse=True)
         for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
-            rows = self.problem.rows_without(lambda effect: effect.stage in BEHIND_PRESSURE, points, number)
+            rows = self.problem.rows_without(lambda effect: effect.stage in BEHIND_PRESSURE, points[which], number)
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)
             found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
-        return np.concatenate(found, axis=2)
+        return np.concatenate(found, axis=2)[:, places.reshape(-1)]
+
+    @cached_property
+    def acting(self) -> list[int]:
+        """Numbers of the unknowns that act on the pressure: of the base valve's the gap's, and of effects before it."""
+        effects = [effect_of_key(key) for key in self.problem.model.effects]
+        names = {each.name for effect in effects if effect.stage not in BEHIND_PRESSURE for each in effect.fitted}
+        return [n for n, unknown in enumerate(self.problem.unknowns) if unknown.name in {*OF_GAP, *names}]
 
     def positions(self, points: np.ndarray) -> np.ndarray:
         """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]
@@ -217,6 +231,10 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
 def _laid(
     residuals: Callable[[np.ndarray], np.ndarray], problem: Problem, point: np.ndarray, columns: np.ndarray
 ) -> tuple[np.ndarray, float]:
+    """Move some unknowns to where residuals are least, far ones counting less; return the point and half their sum.
+
+    From a bad start all are far, and would all count less: what is far is told by how far most are then.
+    """
     from scipy.optimize import least_squares
 
     def moved(move: np.ndarray) -> np.ndarray:
@@ -224,19 +242,29 @@ def _laid(
         there[columns] = move
         return there
 
-    low, high = problem.bounds
-    result = least_squares(
-        lambda move: residuals(moved(move)[None, :])[0],
-        np.clip(point[columns], low[columns] + 1e-9, high[columns] - 1e-9),
-        jac=lambda move: slopes_of(residuals, moved(move), columns),
-        bounds=(low[columns], high[columns]),
-        loss="soft_l1",
-        f_scale=FAR,
-        x_scale="jac",
-        ftol=1e-6,
-        max_nfev=60,
-    )
-    return moved(result.x), float(result.cost)
+    low, high = problem.bounds[0][columns], problem.bounds[1][columns]
+    move = np.clip(point[columns], low + 1e-9, high - 1e-9)
+    for last in (*[False] * COARSE_ROUNDS, True):
+        far = 2.0 * float(np.median(np.abs(residuals(moved(move)[None, :]))))
+        if last and far > HOPELESS:
+            break
+        is_near = last or far < COARSE
+        result = least_squares(
+            lambda move: residuals(moved(move)[None, :])[0],
+            move,
+            jac=lambda move: slopes_of(residuals, moved(move), columns),
+            bounds=(low, high),
+            loss="soft_l1",
+            f_scale=FAR if is_near else far,
+            x_scale="jac",
+            ftol=1e-6 if is_near else 1e-2,
+            max_nfev=NEAR_EVALUATIONS if is_near else COARSE_EVALUATIONS,
+        )
+        move = result.x
+        if is_near:
+            break
+    off = residuals(moved(move)[None, :])[0]
+    return moved(move), float(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0).sum())
 
 
 def slopes_of(residuals: Callable[[np.ndarray], np.ndarray], point: np.ndarray, columns: np.ndarray) -> np.ndarray:

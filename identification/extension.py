@@ -13,9 +13,27 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
-from identification.screening import LITTLE_LEFT, Trial, box_of, joined, placed, residual_positions, screened, shrunk
+from identification.screening import (
+    LITTLE_LEFT,
+    SHRUNK,
+    Trial,
+    box_of,
+    joined,
+    placed,
+    residual_positions,
+    resized,
+    screened,
+)
 from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
-from identification.stick_slip import LAWFUL, SlipSearch, error_at_rests, line_of_stairs, search_near, search_slips
+from identification.stick_slip import (
+    LAWFUL,
+    SlipSearch,
+    error_at_rests,
+    line_of_stairs,
+    search_beside_other,
+    search_near,
+    search_slips,
+)
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -196,6 +214,22 @@ def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None, line: Line | None
     return begun if begun[0].found.error < EXPLAINED * least else []
 
 
+@threadpool_limits.wrap(limits=1)
+def slips_beside(begun: SlipSearch, fit: Fit, effect: Effect, line: Line) -> list[SlipSearch]:
+    """Return what a law of the slips that was found beside one effect makes of them beside another, that of a fit.
+
+    Parameters
+    ----------
+    begun : SlipSearch
+    fit : Fit
+        On a line through the breakaways with the other effect.
+    effect : Effect
+        The law.
+    line : Line
+    """
+    return search_beside_other(begun, effect, line, [problem for problem, _ in forms_of(fit, effect)])
+
+
 def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     """Return the problem with an effect in each of its forms, and the scaled points where searches for it begin."""
     forms: dict[tuple[float, ...], list[tuple[Problem, np.ndarray]]] = {}
@@ -277,7 +311,7 @@ def as_given(fit: Fit, trial: Trial) -> np.ndarray:
 def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
     plain = next(trial for trial in trials if not adds_series(fit, trial))
-    small = shrunk(effect, plain.problem.model.effects[effect.key])
+    small = resized(effect, plain.problem.model.effects[effect.key], SHRUNK)
     problem, point = joined(fit.problem, fit.found.point, effect, small)
     best = descend(problem, point, evaluations=10, precision=1e-4)
     return (problem, best) if best.error <= fit.found.error else at_neutral(fit, effect)

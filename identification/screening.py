@@ -185,11 +185,11 @@ def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str,
     return extended, np.concatenate([point, scaled])
 
 
-def shrunk(effect: Effect, start: Mapping[str, float]) -> dict[str, float]:
-    """Return a start of an effect at a small part of its size; the numbers that are no sizes stay."""
+def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:
+    """Return a start of an effect at so many times its size, within its bounds; the numbers that are no sizes stay."""
     return {
-        each.name: each.neutral + SHRUNK * (start[each.name] - each.neutral)
-        if each.scale == "linear" and each.is_fitted and math.isfinite(each.neutral)
+        each.name: min(max(each.neutral + share * (start[each.name] - each.neutral), each.low), each.high)
+        if each.is_size and math.isfinite(start[each.name])
         else start[each.name]
         for each in effect.parameters
     }

@@ -24,6 +24,9 @@ HIDES_THE_LINE = frozenset(
 )
 """Effects beside which a rest's reading, or its end, does not tell what force holds the stem."""
 
+ADDED_FRICTION = ("friction_area",)
+"""Unknowns of friction that comes on top of the Coulomb friction, and is overcome at breakaway by the same ratio."""
+
 LEAST_STEPS = 8
 """Breakaways on the way from which a record has stairs."""
 
@@ -87,6 +90,18 @@ class Slips:
     others: list[int]
     line: Line
 
+    def hold(self, centre: np.ndarray, ratio: float) -> None:
+        """Set the scaled ratio at a point whose Coulomb friction is the breakaway force, which stays."""
+        centre[self.ratio] = ratio
+        self.ease(centre, self.problem.unknowns[self.ratio].value(ratio))
+
+    def ease(self, points: np.ndarray, factor: np.ndarray) -> None:
+        """Make the friction in motion less by a factor at scaled points, shape (..., unknowns), all that adds to it."""
+        points[..., self.friction] -= np.log(factor)
+        for number, unknown in enumerate(self.problem.unknowns):
+            if unknown.name in ADDED_FRICTION:
+                points[..., number] /= factor
+
     def points_of(self, centre: np.ndarray, moves: np.ndarray) -> np.ndarray:
         """Return scaled points beside a centre, shape (p, unknowns).
 
@@ -106,7 +121,7 @@ class Slips:
         changed = np.minimum(1.0 + (ratio - 1.0) * np.exp(moves[:, 0]), unknown.high)
         points[:, self.ratio] = (changed - unknown.centre) / unknown.spread
         # The breakaway force stays.
-        points[:, self.friction] -= np.log(changed / ratio)
+        self.ease(points, changed / ratio)
         return np.clip(points, *self.problem.bounds)
 
 
@@ -172,11 +187,8 @@ def of_positions(problem: Problem) -> Problem:
 
 def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray) -> SlipSearch:
     """Search for the numbers of one form of an effect."""
-    names = [unknown.name for unknown in problem.unknowns]
-    added = [names.index(parameter.name) for parameter in effect.fitted]
-    ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
-    others = [*(number for number in added if number != ratio), names.index("viscous_friction")]
-    slips = Slips(problem, ratio, friction, others, line)
+    slips, centre = laid_on(effect, line, problem, starts[0])
+    names, ratio, others = [unknown.name for unknown in problem.unknowns], slips.ratio, slips.others
     excesses = np.log(problem.unknowns[ratio].value(starts[:, ratio]) - 1.0)
     widths = [(excesses.min() - BEYOND, excesses.max() + BEYOND)]
     for number in others[:-1]:
@@ -185,40 +197,98 @@ def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray
         low, high = starts[:, number].min(), starts[:, number].max()
         widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
     widths.append((-DAMPING, DAMPING))
-    centre = starts[0].copy()
-    # What neither line nor pressure tells is as it was given: a fit without the effect misleads.
+    centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
+    slips.hold(centre, problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0]))))
+    box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
+    return searched(slips, box, centre, box, SIZE, GENERATIONS)
+
+
+def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> tuple[Slips, np.ndarray]:
+    """Return the slips of an effect on a line, and a scaled point on it; what no line tells is as it was given.
+
+    A fit without the effect would mislead.
+    """
+    names = [unknown.name for unknown in problem.unknowns]
+    added = [names.index(parameter.name) for parameter in effect.fitted]
+    ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
+    others = [*(number for number in added if number != ratio), names.index("viscous_friction")]
+    centre = start.copy()
     centre[[number for number, name in enumerate(names) if name in problem.model.values]] = 0.0
     known = [*line.columns, *told_by_pressure(problem)]
     centre[known] = line.point[known]
-    centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
-    centre[ratio] = problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0])))
-    centre[friction] -= np.log(problem.unknowns[ratio].value(centre[ratio]))
-    box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
-    rested = on_rests(problem)
+    return Slips(problem, ratio, friction, others, line), centre
+
+
+def searched(
+    slips: Slips,
+    box: list[tuple[float, float]],
+    centre: np.ndarray,
+    within: list[tuple[float, float]],
+    size: int,
+    generations: int,
+    *,
+    start: np.ndarray | None = None,
+) -> SlipSearch:
+    """Search for the numbers of slips about a centre within a box, each slip judged by itself."""
+    rested = on_rests(slips.problem)
     found = roam_through(
         rested,
         partial(slips.points_of, centre),
-        box,
-        size=SIZE,
-        generations=GENERATIONS,
+        within,
+        size=size,
+        generations=generations,
         enough=rested.noise_error,
+        start=start,
     )
     return SlipSearch(slips, box, found)
 
 
 def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
     """Search for the numbers of another form of an effect, beside those of the first."""
-    slips, rested = replace(begun.slips, problem=problem), on_rests(problem)
-    found = roam_through(
-        rested,
-        partial(slips.points_of, begun.found.point),
-        [(KINDRED * low, KINDRED * high) for low, high in begun.box],
-        size=KINDRED_SIZE,
-        generations=KINDRED_GENERATIONS,
-        enough=rested.noise_error,
-        start=np.zeros(len(begun.box)),
-    )
-    return SlipSearch(slips, begun.box, found)
+    return searched_near(begun, replace(begun.slips, problem=problem), begun.found.point)
+
+
+def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Sequence[Problem]) -> list[SlipSearch]:
+    """Search for the numbers of the law that was found, beside another effect: near by, on the line with that effect.
+
+    What sets how far a slip goes hardly depends on what bends the line.
+
+    Parameters
+    ----------
+    begun : SlipSearch
+        Beside one effect.
+    effect : Effect
+        The law.
+    line : Line
+        With the other effect.
+    forms : sequence of Problem
+        With the other effect and each form of the law; that of `begun` counts.
+    """
+    known = begun.slips.problem
+    values = dict(zip((unknown.name for unknown in known.unknowns), begun.found.point, strict=True))
+    alike = [each for each in forms if same_form(effect, each, known)]
+    found = []
+    for problem in alike:
+        start = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
+        slips, centre = laid_on(effect, line, problem, start)
+        centre[slips.others] = start[slips.others]
+        slips.hold(centre, start[slips.ratio])
+        found.append(searched_near(begun, slips, centre))
+    return found
+
+
+def same_form(effect: Effect, problem: Problem, other: Problem) -> bool:
+    """Return whether the numbers of an effect that no fit moves are the same in two problems."""
+    held = [each.name for each in effect.parameters if not each.is_fitted]
+    one, two = (each.model.effects[effect.key] for each in (problem, other))
+    return all(one[name] == two[name] for name in held)
+
+
+def searched_near(begun: SlipSearch, slips: Slips, centre: np.ndarray) -> SlipSearch:
+    """Search for the numbers of slips near a centre, within a part of the box of a search before."""
+    within = [(KINDRED * low, KINDRED * high) for low, high in begun.box]
+    start = np.zeros(len(within))
+    return searched(slips, begun.box, centre, within, KINDRED_SIZE, KINDRED_GENERATIONS, start=start)
 
 
 def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:

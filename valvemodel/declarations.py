@@ -52,6 +52,11 @@ class Parameter:
         if self.typical is None and self.starts:
             object.__setattr__(self, "typical", float(self.starts[0]))
 
+    @property
+    def is_size(self) -> bool:
+        """Whether an effect grows with it: a fit moves it, and where the effect vanishes it is 0, or a ratio of 1."""
+        return self.is_fitted and self.scale == "linear" and self.neutral in (0.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Effect:

@@ -11,11 +11,8 @@ from diagnosis import selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.selection import (
     FAR_BEHIND,
-    MORE_LEADERS,
     NO_GAIN,
     SETTLED_SHARE,
-    behind,
-    beside_what_is_behind,
     exchanged,
     extensions,
     is_settled,
@@ -46,31 +43,6 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
     assert leaders_of([load, best, near, far]) == [load, best, near]
     assert leaders_of([best, near, load]) == [best, near]
     assert leaders_of([load]) == [load]
-
-
-def test_causes_behind_the_leaders_lead_in_their_order():
-    load, best = waves(2.0, "load_force"), candidate(20.0, "coil_lag")
-    others = [candidate(21.0 + place, key) for place, key in enumerate(("area_variation", "air_leak", "end_stop"))]
-    far = candidate(2.0 * FAR_BEHIND * 20.0, "gap_drift")
-    assert behind([best, *others, load, far], [best]) == others
-    assert len(behind([best, *others, candidate(25.0, "supply_droop")], [best])) == MORE_LEADERS
-
-
-def test_what_promises_nothing_by_slopes_is_tried_beside_the_best_where_nothing_explains():
-    single = {key: {} for key in ("linkage_backlash", "presliding", "coil_lag", "area_variation")}
-    tried = [candidate(90.0), candidate(20.0, "area_variation"), candidate(25.0, "position_dependent_friction")]
-    tried += [candidate(26.0, "static_friction"), candidate(27.0, "coil_lag"), waves(19.0, "load_force")]
-    tried.append(candidate(19.0, "linkage_backlash", "area_variation"))
-    work = selection.overlooked(tried[1:6], tried, single)
-    assert [each.effects for each in work] == [
-        ("area_variation", "presliding"),
-        ("position_dependent_friction", "linkage_backlash"),
-        ("position_dependent_friction", "presliding"),
-        ("coil_lag", "linkage_backlash"),
-        ("load_force", "linkage_backlash"),
-    ]
-    assert not any(each.is_global for each in work)
-    assert selection.overlooked(tried[1:6], [*tried, candidate(1.1, "end_stop", "coil_lag")], single) == []
 
 
 def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
@@ -107,16 +79,6 @@ def test_a_pair_with_a_series_is_tried_in_the_other_order():
     assert work.fit is load.fit
 
 
-def test_a_pair_that_its_first_effect_led_astray_is_tried_in_the_other_order(monkeypatch):
-    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: {key: len(key) for key in starts})
-    tried = [candidate(40.0), candidate(9.0, "supply_droop"), candidate(10.0, "asymmetric_friction")]
-    tried += [candidate(9.0, "supply_droop", "asymmetric_friction"), candidate(9.0, "asymmetric_friction", "gap_drift")]
-    single = {key: {} for key in ("supply_droop", "asymmetric_friction", "coil_lag", "end_stop", "gap_drift")}
-    work = beside_what_is_behind(tried[2], tried, single, None)
-    assert [each.effects[1] for each in work] == ["supply_droop", "coil_lag"]
-    assert all(each.fit is tried[2].fit for each in work)
-
-
 @pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])
 def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch, left, expected):
     monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
@@ -146,8 +108,48 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     monkeypatch.setattr(selection, "reversed_pairs", lambda *_: [])
     monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
     monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
+    monkeypatch.setattr(selection, "try_jointly", lambda *_: [])
     selection.try_together(tried, None, None, lambda what, share: None)
     assert list(dict.fromkeys(done)) == expected
+
+
+@pytest.mark.parametrize(
+    ("pair", "is_followed"),
+    [
+        (candidate(1.1, "coil_lag", "gap_drift"), False),
+        (candidate(1.1, "coil_lag", "position_dependent_friction"), True),
+        (waves(1.01, "coil_lag", "load_force"), True),
+        (candidate(9.0, "coil_lag", "gap_drift"), True),
+    ],
+)
+def test_two_that_explain_together_end_the_search_unless_one_may_stand_in(monkeypatch, pair, is_followed):
+    followed = []
+    monkeypatch.setattr(selection, "try_jointly", lambda *_: [pair])
+    monkeypatch.setattr(selection, "on_top_of_the_best", lambda tried, *_: followed.append(tried) or tried)
+    monkeypatch.setattr(selection, "with_kindred", lambda tried, *_: tried)
+    monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
+    selection.try_together([candidate(40.0), candidate(20.0, "coil_lag")], None, None, None)
+    assert bool(followed) == is_followed
+
+
+@pytest.mark.parametrize(
+    ("alone", "is_asked"),
+    [
+        (candidate(1.1, "coil_lag"), False),
+        (candidate(1.1, "position_dependent_friction"), True),
+        (waves(1.01, "load_force"), True),
+        (candidate(9.0, "static_friction"), False),
+        (candidate(9.0, "quantisation"), False),
+        (candidate(9.0, "coil_lag"), True),
+    ],
+)
+def test_two_are_tried_jointly_where_none_alone_explains_or_what_does_may_stand_in(monkeypatch, alone, is_asked):
+    asked = []
+    monkeypatch.setattr(selection, "try_jointly", lambda *_: asked.append(1) or [])
+    monkeypatch.setattr(selection, "on_top_of_the_best", lambda tried, *_: tried)
+    monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
+    selection.try_together([candidate(40.0), alone], None, None, None)
+    assert bool(asked) == is_asked
 
 
 def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from diagnosis.blindtest.plants import Plant, draw_plant, measure, write_record
@@ -18,10 +19,17 @@ def fits_to_plant(
     seed: int, key: str, folder: Path, *, profile: int | None = None, nuisance: bool = False
 ) -> tuple[Plant, Fit, Fit]:
     """Return a plant with an effect, and the fits to its record without the effect and with it."""
-    plant, path = draw_plant(seed, (key,), nuisance=nuisance), folder / "record.csv"
+    plant, base = base_of_plant(seed, (key,), folder, profile=profile, nuisance=nuisance)
+    return plant, base, extend(base, key)
+
+
+def base_of_plant(
+    seed: int, keys: Sequence[str], folder: Path, *, profile: int | None = None, nuisance: bool = False
+) -> tuple[Plant, Fit]:
+    """Return a plant with some effects, and the base valve fitted to its record."""
+    plant, path = draw_plant(seed, keys, nuisance=nuisance), folder / "record.csv"
     write_record(path, measure(plant, seed + 7 if profile is None else profile))
     experiments, _ = experiments_of([read_record(path)])
     holdout = hold_out(experiments)
     valve = read_valve("calibrated")
-    base = fit_base(Model(valve.name, valve.values), holdout.experiments, holdout.fitted)
-    return plant, base, extend(base, key)
+    return plant, fit_base(Model(valve.name, valve.values), holdout.experiments, holdout.fitted)
