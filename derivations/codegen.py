@@ -29,14 +29,36 @@ NUMERIC = Dialect(
     "The stage maps and friction laws for numbers: NumPy arrays, and scalars under numba.njit.",
     "Arguments may be arrays that broadcast; all quantities are SI.",
     "import numpy as np",
-    Printer({"sqrt": "np.sqrt", "sign": "np.sign", "Abs": "np.abs", "tanh": "np.tanh", "exp": "np.exp"}, "np.pi"),
+    Printer(
+        {
+            "sqrt": "np.sqrt",
+            "sign": "np.sign",
+            "Abs": "np.abs",
+            "tanh": "np.tanh",
+            "exp": "np.exp",
+            "atan": "np.arctan",
+            "asin": "np.arcsin",
+        },
+        "np.pi",
+    ),
 )
 SYMBOLIC = Dialect(
     "valvemodel/equations/symbolic.py",
     "The stage maps and friction laws on CasADi's SX and MX, for gradients and optimisation.",
     "The same functions as in `numeric`, from the same expressions; all quantities are SI.",
     "import math\n\nimport casadi as ca",
-    Printer({"sqrt": "ca.sqrt", "sign": "ca.sign", "Abs": "ca.fabs", "tanh": "ca.tanh", "exp": "ca.exp"}, "math.pi"),
+    Printer(
+        {
+            "sqrt": "ca.sqrt",
+            "sign": "ca.sign",
+            "Abs": "ca.fabs",
+            "tanh": "ca.tanh",
+            "exp": "ca.exp",
+            "atan": "ca.atan",
+            "asin": "ca.asin",
+        },
+        "math.pi",
+    ),
 )
 
 

@@ -12,7 +12,8 @@ from derivations.nozzle import normalised_inflow
 
 _PARTS = (
     "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "share_of_travel",
-    "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope",
+    "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope", "arm_lever", "arm_centre",
+    "arm_way", "arm_spread",
 )  # fmt: skip
 (
     ABOVE,
@@ -26,6 +27,10 @@ _PARTS = (
     RAMP,
     RAMP_SLOPE,
     LOSS_SLOPE,
+    ARM_LEVER,
+    ARM_CENTRE,
+    ARM_WAY,
+    ARM_SPREAD,
 ) = (sp.Symbol(name, positive=True) for name in _PARTS)
 """What the laws are functions of; each is a part with a line of its own."""
 
@@ -123,6 +128,20 @@ def rows() -> Iterator[tuple[Any, ...]]:
             (SKEW_SLOPE.name, bow_by_share(symbol("s_l"))),
         ),
     )  # fmt: skip
+    for name, angle in (("slot", sp.atan), ("rod", sp.asin)):
+        yield (
+            f"reading_by_position_with_{name}", "sensor", "y h_l s_l L",
+            ARM_LEVER * sp.diff(angle(ARM_WAY), ARM_WAY) / ARM_SPREAD,
+            f"Slope of the reading in the position of a whole arm that a {name} turns.",
+            "linkage_nonlinearity, differentiated", "1",
+            (
+                (TRAVEL_SHARE.name, symbol("y") / symbol("L")),
+                (ARM_LEVER.name, sp.sqrt(arm_lever_squared(angle))),
+                (ARM_CENTRE.name, arm_centre()),
+                (ARM_WAY.name, ARM_LEVER * (TRAVEL_SHARE - ARM_CENTRE)),
+                (ARM_SPREAD.name, angle(ARM_LEVER * (1 - ARM_CENTRE)) + angle(ARM_LEVER * ARM_CENTRE)),
+            ),
+        )  # fmt: skip
 
 
 def rounded_ramp() -> sp.Expr:
@@ -210,3 +229,33 @@ def bow_by_share(amount: sp.Symbol) -> sp.Expr:
     swing = sp.sqrt(27) / 2 * skew * (1 - 2 * TRAVEL_SHARE)
     indicated = 4 * TRAVEL_SHARE * (1 - TRAVEL_SHARE) * (bow + swing)
     return sp.factor(sp.diff(indicated, TRAVEL_SHARE, amount))
+
+
+def arm_lever_squared(angle: type[sp.Function]) -> sp.Expr:
+    """Squared way of an arm through the travel over its length, at which its third order is the skew."""
+    return _matched(angle)[0]
+
+
+def arm_centre() -> sp.Expr:
+    """Share of the travel at which an arm stands square to the stem, at which its third order is the bow."""
+    return _matched(sp.atan)[1]
+
+
+def _matched(angle: type[sp.Function]) -> tuple[sp.Expr, sp.Expr]:
+    """Square of the lever and the centre of an arm whose indicated share is bow and skew to third order."""
+    bow, skew, travel = symbols("h_l s_l L")
+    small, square, centre = sp.Symbol("small", positive=True), sp.Symbol("square"), sp.Symbol("centre")
+    way = sp.series(angle(small), small, 0, 4).removeO()
+    third = way.coeff(small, 3) * square
+
+    def turned(share: sp.Expr) -> sp.Expr:
+        return (share - centre) + third * (share - centre) ** 3
+
+    share = TRAVEL_SHARE
+    # To first order in the square of the lever the ends are kept by a line.
+    straight = turned(sp.S.Zero) + share * (turned(sp.S.One) - turned(sp.S.Zero))
+    bent = sp.expand(sp.diff(turned(share) - straight, square))
+    wanted = sp.expand(4 * share * (1 - share) * (bow + sp.sqrt(27) / 2 * skew * (1 - 2 * share)) / travel)
+    order = [sp.Poly(square * bent - wanted, share).coeff_monomial(share**power) for power in (3, 2)]
+    (found,) = sp.solve(order, [square, centre], dict=True)
+    return sp.simplify(found[square]), sp.expand(found[centre])

@@ -34,6 +34,8 @@ def _points(source, count=5):
         "K": 1e9,
         "b_c": 0.4,
         "s_p": 0.5,
+        "h_l": 0.01,
+        "s_l": -4e-3 if source.name == "reading_by_position_with_slot" else 4e-3,
     }
     centre = np.array([size.get(letter, 1.0) for letter in source.letters.split()])
     return centre * random.uniform(0.5, 1.5, (count, len(centre)))

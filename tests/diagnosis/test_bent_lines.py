@@ -229,7 +229,7 @@ def test_no_whole_series_comes_under_the_law():
 
 
 def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(given):
-    plant, holdout, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
+    plant, _, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
     line = straight_line(base)
     bent = bent_line(base, line, effect_of_key("pressure_dependent_friction"))
     assert bent is not None
@@ -249,7 +249,7 @@ def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(given):
 
 
 def test_a_law_found_beside_one_effect_is_near_beside_another(given):
-    _, holdout, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
+    _, _, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
     line, law = straight_line(base), effect_of_key("stribeck")
     bent = bent_line(base, line, effect_of_key("pressure_dependent_friction"))
     (found, *_) = slips_by(bent.fit, law, line=bent.line)

@@ -119,12 +119,19 @@ def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkey
 def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeypatch, trace, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     waves = replace(candidate(1.04, "load_force"), has_series=True)
-    plain = candidate(1.04, "coil_lag")
+    plain = candidate(1.2, "coil_lag", "air_leak")
     more = [replace(candidate(1.0, "load_force", "gap_drift", trace=trace), has_series=True)]
-    more.append(candidate(1.0, "coil_lag", "gap_drift", trace=trace))
     judged = judge([candidate(90.0), waves, plain, *more])
     assert judged.lost[1] == pytest.approx(lost)
-    assert judged.lost[2] == pytest.approx(0.0)
+    assert judged.lost[2] == pytest.approx(lost)
+
+
+@pytest.mark.parametrize(("misfit", "lost"), [(1.04, 4.0), (1.2, 0.0)])
+def test_what_few_numbers_bring_to_the_noise_is_no_series_of_waves(monkeypatch, misfit, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    waves = replace(candidate(1.0, "load_force"), has_series=True)
+    judged = judge([candidate(90.0), waves, candidate(misfit, "gap_drift", "sensor_lag")])
+    assert judged.lost[1] == pytest.approx(lost)
 
 
 @pytest.mark.parametrize(("alone", "is_felt"), [(1.9, True), (1.1, False)])

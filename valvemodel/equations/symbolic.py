@@ -641,3 +641,39 @@ def reading_by_position(position, linkage_bow, linkage_skew, rated_travel):
     bow_slope = -4 * (2 * share_of_travel - 1)
     skew_slope = 6 * (6 * share_of_travel**2 + 1 - 6 * share_of_travel) * ca.sqrt(3)
     return 1 + (linkage_bow * bow_slope + linkage_skew * skew_slope) / rated_travel
+
+
+def reading_by_position_with_slot(position, linkage_bow, linkage_skew, rated_travel):
+    """Slope of the reading in the position of a whole arm that a slot turns.
+
+    Effect linkage_nonlinearity, differentiated. Returns [1].
+
+    position : stem displacement. [m]
+    linkage_bow : bow in the middle of the travel. [m]
+    linkage_skew : swing between the halves of the travel. [m]
+    rated_travel : travel from 0 to 100 %. [m]
+    """
+    share_of_travel = position / rated_travel
+    arm_lever = 6 * 3 ** (1 / 4) * ca.sqrt(-linkage_skew / rated_travel)
+    arm_centre = linkage_bow * ca.sqrt(3) / (27 * linkage_skew) + 1 / 2
+    arm_way = arm_lever * (share_of_travel - arm_centre)
+    arm_spread = ca.atan(arm_centre * arm_lever) + ca.atan(arm_lever * (1 - arm_centre))
+    return arm_lever / (arm_spread * (arm_way**2 + 1))
+
+
+def reading_by_position_with_rod(position, linkage_bow, linkage_skew, rated_travel):
+    """Slope of the reading in the position of a whole arm that a rod turns.
+
+    Effect linkage_nonlinearity, differentiated. Returns [1].
+
+    position : stem displacement. [m]
+    linkage_bow : bow in the middle of the travel. [m]
+    linkage_skew : swing between the halves of the travel. [m]
+    rated_travel : travel from 0 to 100 %. [m]
+    """
+    share_of_travel = position / rated_travel
+    arm_lever = 6 * 3 ** (1 / 4) * ca.sqrt(2 * linkage_skew / rated_travel)
+    arm_centre = linkage_bow * ca.sqrt(3) / (27 * linkage_skew) + 1 / 2
+    arm_way = arm_lever * (share_of_travel - arm_centre)
+    arm_spread = ca.asin(arm_centre * arm_lever) + ca.asin(arm_lever * (1 - arm_centre))
+    return arm_lever / (arm_spread * ca.sqrt(1 - (arm_way**2)))

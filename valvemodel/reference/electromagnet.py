@@ -91,7 +91,12 @@ def lost(n: SimpleNamespace, current: float) -> float:
     return ramp**2 / (ramp + n.saturation_reach)
 
 
+def crept(time: float, time_constant: float, is_logarithmic: float) -> float:
+    """Return how far a creep of unit rate at the start has come: T (1 - exp(-t/T)), or T ln(1 + t/T). [s]"""
+    return time_constant * (log1p(time / time_constant) if is_logarithmic else -expm1(-time / time_constant))
+
+
 def gap(n: SimpleNamespace, current: float, time: float) -> float:
     """Return the gap at an effective current, eq. (31), and at a time since the start, as it drifts. [m]"""
-    drift = -n.gap_drift_rate * n.gap_drift_time * expm1(-time / n.gap_drift_time)
+    drift = n.gap_drift_rate * crept(time, n.gap_drift_time, n.gap_drift_creep)
     return n.gap_offset - n.gap_gain * sqrt(max(current, 0.0)) + drift

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import ceil, exp, expm1, floor, sqrt
+from math import asin, atan, ceil, exp, expm1, floor, sqrt
 from types import SimpleNamespace
 
 import numpy as np
 
+from valvemodel.reference.electromagnet import crept
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion
 
@@ -99,20 +100,35 @@ def answer_of_both(longer: float, shorter: float, time: float) -> float:
 
 
 def zero_drift(n: SimpleNamespace, time: float) -> float:
-    """Return how far the zero has crept: d T (1 - exp(-t/T)). [m]"""
-    return -n.sensor_drift_rate * n.sensor_drift_time * expm1(-time / n.sensor_drift_time)
+    """Return how far the zero has crept. [m]"""
+    return n.sensor_drift_rate * crept(time, n.sensor_drift_time, n.sensor_drift_creep)
 
 
 def bowed(n: SimpleNamespace, position: float) -> float:
     """Return what a bowed and skewed linkage indicates. [m]"""
     share = position / n.rated_travel
+    if n.linkage_arm and n.linkage_skew != 0.0:
+        low, here, high = (turned(n, each) for each in (0.0, share, 1.0))
+        return n.rated_travel * (here - low) / (high - low)
     skew = 0.5 * sqrt(27.0) * n.linkage_skew * (1.0 - 2.0 * share)
     return position + 4.0 * share * (1.0 - share) * (n.linkage_bow + skew)
+
+
+def turned(n: SimpleNamespace, share: float) -> float:
+    """Return the angle of an arm at a share of the travel, in a slot where the skew is negative, else on a rod."""
+    skew = 0.5 * sqrt(27.0) * n.linkage_skew
+    lever = sqrt((24.0 if skew < 0.0 else 48.0) * abs(skew) / n.rated_travel)
+    way = lever * (share - 0.5 - n.linkage_bow / (6.0 * skew))
+    if skew < 0.0:
+        return atan(way)
+    # Near its dead point the arm goes on as steeply as there.
+    inside = min(max(way, -0.98), 0.98)
+    return asin(inside) + (way - inside) / sqrt(1.0 - inside**2)
 
 
 def straightened(n: SimpleNamespace, reading: float) -> float:
     """Return the position at which a bowed linkage gives a reading, by iteration. [m]"""
     position = reading
-    for _ in range(60):
-        position += reading - bowed(n, position)
+    for _ in range(400):
+        position += 0.2 * (reading - bowed(n, position))
     return position

@@ -96,9 +96,15 @@ def pull_plays(p: Any, x: Any, current: Expression) -> Expression:
     return total / (PLAYS * (1.0 + p.hysteresis_roundness))
 
 
+def crept(time: Expression, time_constant: Expression, is_logarithmic: Expression) -> Expression:
+    """Return how far a creep of unit rate at the start has come: to its time constant, or on as a logarithm. [s]"""
+    share = time / time_constant
+    return time_constant * ((is_logarithmic - 1.0) * ca.expm1(-share) + is_logarithmic * ca.log1p(share))
+
+
 def gap_of_current(p: Any, current: Expression, time: Expression) -> Expression:
     """Return the gap at an effective current, drift included. [m]"""
     gap = coil_gap(ca.fmax(current, LEAST_CURRENT), p.gap_offset, p.gap_gain)
     if "gap_drift" in p.effects:
-        gap -= p.gap_drift_rate * p.gap_drift_time * ca.expm1(-time / p.gap_drift_time)
+        gap += p.gap_drift_rate * crept(time, p.gap_drift_time, p.gap_drift_creep)
     return gap

@@ -7,9 +7,9 @@ from typing import Any
 
 import casadi as ca
 
-from valvemodel.smooth.electromagnet import SHORTEST_TIME
+from valvemodel.smooth.electromagnet import SHORTEST_TIME, crept
 from valvemodel.smooth.rounding import Expression, dead_zone, passed
-from valvemodel.stages.bow import SKEW
+from valvemodel.stages.bow import BY_ROD, BY_SLOT, DEAD_POINT, SKEW
 from valvemodel.stages.transmitter import APART
 
 BOW_STEPS = 4
@@ -28,7 +28,41 @@ def bow(p: Any, position: Expression) -> Expression:
     if "linkage_nonlinearity" not in p.effects:
         return position
     share = position / p.rated_travel
+    if p.turns:
+        low, here, high = (arm_angle(p, each) for each in (0.0, share, 1.0))
+        return p.rated_travel * (here - low) / (high - low)
     return position + 4.0 * share * (1.0 - share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+
+
+def bow_slope(p: Any, position: Expression) -> Expression:
+    """Return how the indicated position changes with the true one."""
+    share = position / p.rated_travel
+    if p.turns:
+        low, high = (arm_angle(p, each) for each in (0.0, 1.0))
+        way = arm_way(p, share)
+        inside = ca.fmin(ca.fmax(way, -DEAD_POINT), DEAD_POINT)
+        slope = ca.if_else(p.linkage_skew < 0.0, 1.0 / (1.0 + way * way), 1.0 / ca.sqrt(1.0 - inside * inside))
+        return lever(p) * slope / (high - low)
+    bowed = (1.0 - 2.0 * share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
+    return 1.0 + 4.0 / p.rated_travel * (bowed - 2.0 * SKEW * p.linkage_skew * share * (1.0 - share))
+
+
+def lever(p: Any) -> Expression:
+    """Return the way of an arm through the whole travel over its length."""
+    return ca.sqrt(ca.if_else(p.linkage_skew < 0.0, -BY_SLOT, BY_ROD) * p.linkage_skew / p.rated_travel)
+
+
+def arm_way(p: Any, share: Expression) -> Expression:
+    """Return the way over its length of an arm at a share of the travel, from where it stands square to the stem."""
+    return lever(p) * (share - 0.5 - p.linkage_bow / (6.0 * SKEW * p.linkage_skew))
+
+
+def arm_angle(p: Any, share: Expression) -> Expression:
+    """Return the angle of an arm at a share of the travel, in a slot where the skew is negative, else on a rod."""
+    way = arm_way(p, share)
+    inside = ca.fmin(ca.fmax(way, -DEAD_POINT), DEAD_POINT)
+    on_rod = ca.asin(inside) + (way - inside) / ca.sqrt(1.0 - inside * inside)
+    return ca.if_else(p.linkage_skew < 0.0, ca.atan(way), on_rod)
 
 
 def unbow(p: Any, reading: Expression) -> Expression:
@@ -37,10 +71,7 @@ def unbow(p: Any, reading: Expression) -> Expression:
         return reading
     position = reading
     for _ in range(BOW_STEPS):
-        share = position / p.rated_travel
-        bowed = (1.0 - 2.0 * share) * (p.linkage_bow + SKEW * p.linkage_skew * (1.0 - 2.0 * share))
-        slope = 1.0 + 4.0 / p.rated_travel * (bowed - 2.0 * SKEW * p.linkage_skew * share * (1.0 - share))
-        position += (reading - bow(p, position)) / slope
+        position += (reading - bow(p, position)) / bow_slope(p, position)
     return position
 
 
@@ -123,4 +154,4 @@ def sensor_drift(p: Any, time: Expression) -> Expression:
     """Return how far the zero has crept. [m]"""
     if "sensor_drift" not in p.effects:
         return 0.0
-    return -p.sensor_drift_rate * p.sensor_drift_time * ca.expm1(-time / p.sensor_drift_time)
+    return p.sensor_drift_rate * crept(time, p.sensor_drift_time, p.sensor_drift_creep)

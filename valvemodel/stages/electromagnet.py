@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
+from valvemodel.stages.creep import crept
 from valvemodel.stages.lag import remember_lag
 from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays
 
@@ -116,20 +117,30 @@ EFFECTS = (
         key="gap_drift",
         stage="electromagnet",
         title="gap drift",
-        meaning="the gap creeps with time as the converter warms",
-        equation=r"\delta(t) = \delta_0 + r\,T\,(1 - e^{-t/T})",
-        source="thermal expansion of the flapper mount, first-order warming",
+        meaning="the gap creeps with time as the converter warms or settles",
+        equation=r"\delta(t) = \delta_0 + r\,T\,(1 - e^{-t/T})\quad\text{or}\quad\delta_0 + r\,T\,\ln(1 + t/T)",
+        source="thermal expansion of the flapper mount, first order; logarithmic creep: Phillips, Phil. Mag. 9 (1905)",
         parameters=(
             Parameter("gap_drift_rate", "m/s", "rate at the start", -1e-5, 1e-5, 0.0, (3e-8, -3e-8)),
             Parameter(
                 "gap_drift_time",
                 "s",
-                "time constant of the warming",
-                25.0,
+                "T: time constant of the warming, or time from which on the creep slows down",
+                2.0,
                 3000.0,
                 300.0,
                 (300.0, 40.0),
                 "log",
+            ),
+            Parameter(
+                "gap_drift_creep",
+                "1",
+                "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("sensor_drift", "load_force", "friction_drift", "supply_droop"),
@@ -219,7 +230,7 @@ def accept_currents(p, state, memory):
 @inlined
 def gap_drift(p, time):
     """Return by how much the gap has grown since the start. [m]"""
-    return -p.gap_drift_rate * p.gap_drift_time * math.expm1(-time / p.gap_drift_time)
+    return p.gap_drift_rate * crept(time, p.gap_drift_time, p.gap_drift_creep)
 
 
 @inlined

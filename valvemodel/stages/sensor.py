@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages.bow import bow
+from valvemodel.stages.creep import crept
 from valvemodel.stages.linkage import drag_linkage, part_dragged, rest_linkage
 from valvemodel.stages.transmitter import follow_linkage, has_lag, lagged_reading, settle_reading
 
@@ -75,19 +76,29 @@ EFFECTS = (
         stage="sensor",
         title="sensor drift",
         meaning="the zero of the transmitter creeps",
-        equation=r"r = z + d\,T\,(1 - e^{-t/T})",
-        source="zero drift of a transmitter that warms up, first order",
+        equation=r"r = z + d\,T\,(1 - e^{-t/T})\quad\text{or}\quad r = z + d\,T\,\ln(1 + t/T)",
+        source="a transmitter that warms up, first order; logarithmic creep: Phillips, Phil. Mag. 9 (1905)",
         parameters=(
             Parameter("sensor_drift_rate", "m/s", "creep of the zero at the start", -3e-3, 3e-3, 0.0, (1e-5, -1e-5)),
             Parameter(
                 "sensor_drift_time",
                 "s",
-                "time constant of the warming",
-                25.0,
+                "T: time constant of the warming, or time from which on the creep slows down",
+                2.0,
                 3000.0,
                 300.0,
                 (300.0, 40.0),
                 "log",
+            ),
+            Parameter(
+                "sensor_drift_creep",
+                "1",
+                "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("gap_drift", "load_force"),
@@ -122,8 +133,14 @@ EFFECTS = (
         stage="sensor",
         title="linkage nonlinearity",
         meaning="the rotary linkage reads a bow, and a skew, over the travel",
-        equation=r"r = z + 4\xi(1 - \xi)\,(h + \sqrt{27}/2\,s\,(1 - 2\xi)),\quad \xi = z/L",
-        source="lever geometry to third order",
+        equation=(
+            r"r = z + 4\xi(1 - \xi)\,(h + \sqrt{27}/2\,s\,(1 - 2\xi)),\ \xi = z/L\quad\text{or}\quad "
+            r"r = L\,(\theta(\xi) - \theta(0))/(\theta(1) - \theta(0)),\ \tan\theta\text{ or }\sin\theta = a\,(\xi - c)"
+        ),
+        source=(
+            "lever geometry to third order, or whole: an arm whose slot (s < 0: tangent) or rod (s > 0: sine) follows "
+            "the stem, a and c such that h and s are its third order"
+        ),
         parameters=(
             Parameter("linkage_bow", "m", "h: bow in the middle of the travel", -0.05, 0.05, 0.0, (3e-3, -3e-3)),
             Parameter(
@@ -133,8 +150,18 @@ EFFECTS = (
                 -0.02,
                 0.02,
                 0.0,
-                (1e-3,),
+                (1e-3, -1e-3),
                 typical=0.0,
+            ),
+            Parameter(
+                "linkage_arm",
+                "1",
+                "0: to third order; 1: a whole arm, turned in a slot where the skew is negative, else by a rod",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 1.0),
+                is_fitted=False,
             ),
         ),
         aliases=("spring_hardening", "area_variation", "magnetic_saturation"),
@@ -161,7 +188,7 @@ def sensor_drift(p, time):
     """Return how far the zero has crept. [m]"""
     if p.sensor_drift_rate == 0.0:
         return 0.0
-    return -p.sensor_drift_rate * p.sensor_drift_time * math.expm1(-time / p.sensor_drift_time)
+    return p.sensor_drift_rate * crept(time, p.sensor_drift_time, p.sensor_drift_creep)
 
 
 @compiled
