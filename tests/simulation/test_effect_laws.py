@@ -2,35 +2,47 @@
 
 from itertools import pairwise
 
+import numba
 import numpy as np
 import pytest
 from simulation_runs import base_model, ramps_and_steps, run
 
 from diagnosis.blindtest.chain.electromagnet import _plays
+from diagnosis.blindtest.chain.sensor import SPAN, _arm
 from diagnosis.blindtest.profiles import draw_profile
 from diagnosis.blindtest.truth import Truth
 from diagnosis.blindtest.valve import integrate
 from valvemodel.linear.nozzle import quickness_at_rest
+from valvemodel.linear.point import evaluate
+from valvemodel.linear.sensor import reading_slope
 from valvemodel.model import Model
 from valvemodel.reference import simulate_slowly
 from valvemodel.simulation import simulate
 from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
 from valvemodel.stages import amplifier
+from valvemodel.stages.bow import bow, bow_slope, unbow
 from valvemodel.valves import read_valve
 
 BASE = base_model()
 ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
 PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
 SMEARING = {"transport_delay": 0.14, "line_dispersion": 0.3}
+SLOT = {"linkage_bow": 3e-3, "linkage_skew": -2e-3, "linkage_arm": 1.0}
+ROD = {"linkage_bow": -2e-3, "linkage_skew": 2e-3, "linkage_arm": 1.0}
+GAP_CREEP = {"gap_drift_rate": -2e-7, "gap_drift_time": 6.0, "gap_drift_creep": 1.0}
+ZERO_CREEP = {"sensor_drift_rate": 4e-4, "sensor_drift_time": 6.0, "sensor_drift_creep": 1.0}
 
 LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
     "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
     "transport_delay": (SMEARING, {"transport_delay": 0.0}),
+    "linkage_nonlinearity": (SLOT, {"linkage_bow": 0.0, "linkage_skew": 0.0}),
+    "gap_drift": (GAP_CREEP, {"gap_drift_rate": 0.0}),
+    "sensor_drift": (ZERO_CREEP, {"sensor_drift_rate": 0.0}),
 }
 """By effect, its second law at telling values, and what makes that vanish."""
 
-INTEGRATED = {"asymmetric_filling": 3e-6, "transport_delay": 3e-6}
+INTEGRATED = {"asymmetric_filling": 3e-6, "transport_delay": 3e-6, "gap_drift": 3e-6}
 """How far laws without a closed form may be off at the default accuracy. [m]"""
 
 
@@ -198,3 +210,69 @@ def test_orifices_linearised_are_their_own_slope(share):
     supply = numbers["supply_pressure"]
     slope = amplifier.quickness(numbers, share * supply * (1.0 + 1e-9), share * supply)
     assert quickness_at_rest({**BASE.values, **ORIFICES}, share * supply) == pytest.approx(slope, rel=1e-8)
+
+
+@pytest.mark.parametrize(("formulation", "sign"), [("tangent", -1.0), ("sine", 1.0)])
+@pytest.mark.parametrize(("centre", "angle"), [(0.3, 0.75), (0.5, 0.6), (0.65, 0.7)])
+def test_an_arm_is_that_of_the_blind_plant(formulation, sign, centre, angle):
+    """The plant's arm reads true at 0 and at its own span; here that is the rated travel."""
+    truth = Truth("linkage_nonlinearity", "sensor", formulation, {"arm_centre": centre, "arm_angle": angle})
+    travel = np.linspace(0.0, SPAN, 60)
+    expected = _arm(travel, truth)
+    longest = max(centre, 1.0 - centre)
+    lever = np.tan(angle) / longest if sign < 0.0 else np.sin(angle) / longest
+    scale = 0.5 * np.sqrt(27.0)
+    skew = sign * SPAN * lever**2 / (scale * (24.0 if sign < 0.0 else 48.0))
+    values = {"linkage_bow": 6.0 * scale * skew * (centre - 0.5), "linkage_skew": skew, "linkage_arm": 1.0}
+    row = base_model(rated_travel=SPAN).with_effect("linkage_nonlinearity", **values).rows()[0]
+    found, slopes, back = np.array([bent(row, each) for each in travel]).T
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(back, travel, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(slopes[1:-1], np.gradient(expected, travel)[1:-1], rtol=2e-3)
+    numbers = {name: float(row[name]) for name in row.dtype.names}
+    linear = [evaluate(reading_slope(numbers), numbers, position=each) for each in travel]
+    np.testing.assert_allclose(linear, slopes, rtol=1e-12)
+
+
+@numba.njit
+def bent(p, position):
+    """Return what a linkage indicates, its slope, and the position that it is taken for."""
+    reading = bow(p, position)
+    return reading, bow_slope(p, position), unbow(p, reading)
+
+
+def test_an_arm_near_its_dead_point_goes_on_as_steeply():
+    row = BASE.with_effect("linkage_nonlinearity", linkage_bow=0.0, linkage_skew=8e-3, linkage_arm=1.0).rows()[0]
+    places = np.linspace(-0.1, 0.4, 200)
+    readings, slopes, back = np.array([bent(row, each) for each in places]).T
+    assert (np.diff(readings) > 0.0).all()
+    np.testing.assert_allclose(back, places, rtol=0.0, atol=1e-13)
+    assert slopes[0] == slopes[-1] == slopes.max()
+
+
+@pytest.mark.parametrize("values", [SLOT, ROD], ids=["slot", "rod"])
+@pytest.mark.parametrize("others", [(), ("sensor_lag",), ("sensor_lag", "linkage_backlash")], ids="+".join)
+def test_an_arm_in_plain_python(values, others):
+    time, current = ramps_and_steps(seconds=3.0, seed=1)
+    model = BASE.with_effect("linkage_nonlinearity", **values)
+    for key in others:
+        model = model.with_effect(key)
+    found = simulate(model, time=time, current=current).position
+    expected = simulate_slowly(model, time=time, current=current).position
+    assert np.abs(found - expected).max() < (1e-8 if others else 2e-14)
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "stage", "number"),
+    [("gap_drift", GAP_CREEP, "electromagnet", "gap_change"), ("sensor_drift", ZERO_CREEP, "sensor", "zero_change")],
+)
+def test_a_logarithmic_creep_is_that_of_the_blind_plant(key, values, stage, number):
+    rate, slow_from, _ = values.values()
+    time, current = ramps_and_steps(seconds=8.0, seed=1)
+    change = rate * slow_from * np.log1p(150.0 / slow_from)
+    creep = {number: abs(change), "direction": np.sign(change), "time_constant": slow_from}
+    truth = Truth(key, stage, "logarithmic", creep)
+    plain = integrate(dict(BASE.values), time, current, step=1e-5)["position"]
+    expected = integrate(dict(BASE.values), time, current, step=1e-5, effects=(truth,))["position"]
+    found = run(BASE.with_effect(key, **values), time, current)
+    assert np.std(found - expected) < 0.003 * np.std(plain - expected)
