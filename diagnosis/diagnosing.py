@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from diagnosis.alone import library_for, try_first
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
@@ -21,7 +22,7 @@ from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.sampling import with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import library_for, select, try_first, try_together
+from diagnosis.selection import select, try_together
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import open_stages, stage_probabilities
 from diagnosis.stairs import on_stairs, stairs_beside

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from diagnosis.beside_slips import bends_to_stairs
 from diagnosis.explaining import GOOD_ENOUGH, misfit
-from diagnosis.selection import best_of
+from diagnosis.standing import best_of
 from diagnosis.trying import Candidate, Progress
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by

@@ -7,20 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis import selection, trying
+from diagnosis import alone as singles
+from diagnosis import proposals, selection, trying
 from diagnosis.explaining import AT_NOISE, explains
-from diagnosis.selection import (
-    FAR_BEHIND,
-    NO_GAIN,
-    SETTLED_SHARE,
-    exchanged,
-    extensions,
-    is_settled,
-    is_worth_its_time,
-    leaders_of,
-    with_better,
-    worthwhile,
-)
+from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
+from diagnosis.standing import SETTLED_SHARE, is_settled, is_worth_its_time, values_alone, with_better
 from diagnosis.trying import Candidate, Work
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
@@ -64,25 +55,25 @@ def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_exp
 def test_single_effects_that_nearly_explain_are_searched_for_from_every_start():
     base, best = candidate(40.0), candidate(1.5, "spring_hardening")
     others = [candidate(3.0, "magnetic_saturation"), waves(2.0, "load_force"), candidate(9.0, "coil_lag")]
-    work = selection.nearly([base, best, *others])
+    work = singles.nearly([base, best, *others])
     assert [each.effects for each in work] == [("spring_hardening",), ("magnetic_saturation",)]
     assert all(each.follows_all and each.fit is base.fit for each in work)
-    assert selection.nearly([base, candidate(1.01, "coil_lag"), *others]) == []
-    assert selection.nearly([base, candidate(20.0, "coil_lag"), candidate(18.0, "magnetic_saturation")]) == []
+    assert singles.nearly([base, candidate(1.01, "coil_lag"), *others]) == []
+    assert singles.nearly([base, candidate(20.0, "coil_lag"), candidate(18.0, "magnetic_saturation")]) == []
 
 
 def test_a_pair_with_a_series_is_tried_in_the_other_order():
     load, lag = waves(30.0, "load_force"), candidate(9.0, "coil_lag")
     pair = waves(4.0, "coil_lag", "load_force")
-    (work,) = selection.reversed_pairs([candidate(90.0), load, lag, pair], {"coil_lag": {}, "load_force": {}})
+    (work,) = proposals.reversed_pairs([candidate(90.0), load, lag, pair], {"coil_lag": {}, "load_force": {}})
     assert work.effects == ("load_force", "coil_lag")
     assert work.fit is load.fit
 
 
 @pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])
 def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch, left, expected):
-    monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
-    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(proposals, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
     tried = [candidate(40.0), candidate(left, "supply_droop")]
     single = {key: {} for key in ("supply_droop", "coil_lag", "air_leak", "linkage_backlash")}
     work = extensions(tried[1:], tried, single, 0, None)
@@ -153,8 +144,8 @@ def test_two_are_tried_jointly_where_none_alone_explains_or_what_does_may_stand_
 
 
 def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(monkeypatch):
-    monkeypatch.setattr(selection, "stopping_on", lambda *_: [])
-    monkeypatch.setattr(selection, "shortlist", lambda *_: ["coil_lag"])
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(proposals, "shortlist", lambda *_: ["coil_lag"])
     load, lag = waves(2.0, "load_force"), candidate(9.0, "coil_lag")
     tried = [candidate(20.0), load, lag]
     single = {each.effects[0]: {"size": each.score.misfit} for each in (load, lag)}
@@ -169,11 +160,11 @@ def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(mo
 
 
 def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
-    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    monkeypatch.setattr(proposals, "promises", lambda *_: {})
     reading, lag = candidate(5.0, "quantisation"), candidate(19.9, "coil_lag")
     bristles, worse = candidate(9.0, "presliding"), candidate(21.0, "supply_droop")
     tried = [candidate(20.0), reading, lag, bristles, worse]
-    single = selection.values_alone(tried)
+    single = values_alone(tried)
     work = extensions([reading], tried, single, 0, None)
     assert [each.effects[0] for each in work] == ["presliding", "coil_lag", "supply_droop"]
     assert all(each.effects[1] == "quantisation" and each.is_known for each in work)
@@ -181,16 +172,16 @@ def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
     assert work[1].fit is lag.fit
     # Bristles that explain little take too long.
     slow = [tried[0], reading, candidate(19.9, "presliding")]
-    assert extensions([reading], slow, selection.values_alone(slow), 0, None) == []
+    assert extensions([reading], slow, values_alone(slow), 0, None) == []
 
 
 @pytest.mark.parametrize(("left", "count"), [(5.0, 1), (1.0, 0)])
 def test_beside_a_coarse_reading_all_is_tried_where_it_leaves_something(monkeypatch, left, count):
-    monkeypatch.setattr(selection, "try_all", lambda work, *_: list(work))
-    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    monkeypatch.setattr(singles, "try_all", lambda work, *_: list(work))
+    monkeypatch.setattr(proposals, "promises", lambda *_: {})
     tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "coil_lag")]
-    assert len(selection.beside_reading(tried, None, None, None)) == count
-    assert selection.beside_reading(tried[::2], None, None, None) == []
+    assert len(singles.beside_reading(tried, None, None, None)) == count
+    assert singles.beside_reading(tried[::2], None, None, None) == []
 
 
 @pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
@@ -200,7 +191,7 @@ def test_an_effect_is_tried_alone_again_from_where_another_beside_it_left_no_tra
     base = candidate(36.0)
     tried = [base, candidate(alone, "sensor_lag"), candidate(1.1, "asymmetric_viscous_friction")]
     tried += [candidate(35.0, "coil_lag"), far, pair]
-    work = selection.left_alone(tried)
+    work = proposals.left_alone(tried)
     assert [each.effects for each in work] == [("sensor_lag",)] * expected
     assert all(each.fit is base.fit and each.kin is pair.fit and each.known == {"size": 1.0} for each in work)
 
@@ -280,8 +271,8 @@ def test_a_series_that_comes_nearest_does_not_hide_a_cause_that_explains():
 
 
 def test_a_coarse_reading_takes_no_global_search(monkeypatch):
-    monkeypatch.setattr(selection, "stopping_on", lambda *_: ["quantisation", "static_friction"])
-    monkeypatch.setattr(selection, "promises", lambda *_: {})
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: ["quantisation", "static_friction"])
+    monkeypatch.setattr(proposals, "promises", lambda *_: {})
     tried = [candidate(40.0), candidate(20.0, "supply_droop")]
     single = {key: {} for key in ("supply_droop", "quantisation", "static_friction")}
     work = extensions(tried[1:], tried, single, 0, None)
@@ -338,18 +329,18 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
         return [candidate(1.1 if each.effects[0] == "static_friction" else 20.0, *each.effects) for each in work]
 
     asked: list[list[str]] = []
-    monkeypatch.setattr(selection, "try_all", try_all)
-    monkeypatch.setattr(selection, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
-    monkeypatch.setattr(selection, "try_in_turn", lambda work, _, *others: try_all(work, *others))
-    monkeypatch.setattr(selection, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(singles, "try_all", try_all)
+    monkeypatch.setattr(singles, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    monkeypatch.setattr(singles, "try_in_turn", lambda work, _, *others: try_all(work, *others))
+    monkeypatch.setattr(singles, "stops_seen", lambda fit: True)
     found, problem = SimpleNamespace(error=2000.0), SimpleNamespace(noise_error=100.0)
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
     library = [effect_of_key(key) for key in keys]
-    selection.try_alone(base, None, library, None, None)
+    singles.try_alone(base, None, library, None, None)
     assert [key for round_of in asked for key in round_of] == ["coil_lag", "presliding", "static_friction", "stribeck"]
     asked.clear()
-    selection.try_alone(base, None, [effect_of_key(key) for key in keys if key != "static_friction"], None, None)
+    singles.try_alone(base, None, [effect_of_key(key) for key in keys if key != "static_friction"], None, None)
     assert ["stribeck"] in asked
 
 
@@ -373,22 +364,22 @@ def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_the
     ]
     asked: dict[str, tuple[float, float]] = {}
     monkeypatch.setattr(trying, "try_effect", try_effect)
-    monkeypatch.setattr(selection, "promises", lambda *_: {key: float(-place) for place, key in enumerate(order)})
+    monkeypatch.setattr(singles, "promises", lambda *_: {key: float(-place) for place, key in enumerate(order)})
     base = candidate(40.0)
     base.fit.problem.noise_error = 100.0
-    tried = selection.try_by_promise(base, None, order[::-1], pool, lambda what, share: None)
+    tried = singles.try_by_promise(base, None, order[::-1], pool, lambda what, share: None)
     assert [each.effects for each in tried] == [(), *((key,) for key in order)]
     assert are_aliases("coil_lag", "sensor_lag")
     assert not are_aliases("coil_lag", "sensor_drift")
-    worth = selection.FAR_BEHIND * 100.0
+    worth = proposals.FAR_BEHIND * 100.0
     expected = dict.fromkeys(order[: trying.AT_ONCE], (0.0, math.inf))
     for key in order[trying.AT_ONCE :]:
-        expected[key] = (0.0 if are_aliases("coil_lag", key) else selection.LEAST_PROMISE, worth)
+        expected[key] = (0.0 if are_aliases("coil_lag", key) else singles.LEAST_PROMISE, worth)
     assert asked == expected
 
 
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
     base = candidate(1.08)
     base.fit.problem.noise_error = 100.0
-    work = selection.called_for(base, Work(base.fit, ("coil_lag",), False), [])
-    assert (work.promise, work.worth) == (selection.PROMISE_AT_NOISE, math.inf)
+    work = singles.called_for(base, Work(base.fit, ("coil_lag",), False), [])
+    assert (work.promise, work.worth) == (singles.PROMISE_AT_NOISE, math.inf)

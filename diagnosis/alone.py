@@ -1,0 +1,155 @@
+"""Alone: every effect by itself, and what makes the stem jump beside what bends the line of its breakaways."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import partial
+
+from diagnosis.beside_slips import beside_slips
+from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
+from diagnosis.proposals import FAR_BEHIND, SHORTLIST, extensions
+from diagnosis.standing import (
+    best_of,
+    blunt,
+    is_laid_on_top,
+    is_quick,
+    is_read_off,
+    is_settled,
+    values_alone,
+    with_better,
+)
+from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all, try_in_turn
+from identification.fit import Fit
+from identification.hints import is_periodic
+from identification.holdout import Holdout
+from identification.screening import LITTLE_LEFT
+from valvemodel.declarations import Effect
+from valvemodel.effects import differ_by_aliases, effect_of_key
+from valvemodel.stages import EFFECTS
+
+LEAST_PROMISE, PROMISE_AT_NOISE = 0.05, 0.005
+"""Share of the base's error that an effect must promise by slopes to be followed alone where another settles the
+record, and where the base leaves little."""
+
+MOST_NEARLY = 4
+"""Best causes of one effect that are searched for from every start where they nearly explain the record."""
+
+
+def try_first(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways."""
+    alone = try_alone(base, holdout, library, pool, progress)
+    alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
+    alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
+    return [*alone, *beside_slips(alone, holdout, pool, progress)]
+
+
+def try_alone(
+    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try every effect alone; those that need a global search come last, and only where no other explains the gap.
+
+    A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
+
+    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
+    reading comes nearest, all that was tried is tried beside it first, which costs little.
+    """
+    local, *searched = rounds(library)
+    tried = try_by_promise(base, holdout, local, pool, progress)
+    has_stops = stops_seen(base.fit)
+    for round_of in searched:
+        tried += beside_reading(tried, holdout, pool, progress)
+        keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
+        ends = [each for each in tried if explains(each, base)]
+        if ends:
+            best = min(ends, key=misfit)
+            keys = [key for key in keys if effect_of_key(key).is_chaotic and differ_by_aliases((key,), best.effects)]
+        work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
+        tried += try_all(work, holdout, pool, progress, "effects one by one")
+    return tried
+
+
+def nearly(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best causes of one effect that nearly explain the record, as work from every start.
+
+    What leaves so little may be the right one in a side minimum, or stand in for one that ended there.
+    """
+    base, best = tried[0], best_of(tried, 1)[:MOST_NEARLY]
+    if not best or misfit(best[0]) < AT_NOISE or not explains(best[0], base, generous=True):
+        return []
+    far = FAR_BEHIND * misfit(best[0])
+    near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]
+    keys = [each.effects[0] for each in near if not is_laid_on_top(each)]
+    return [Work(base.fit, (key,), False, follows_all=True) for key in keys if is_quick(key)]
+
+
+def try_by_promise(
+    base: Candidate, holdout: Holdout, keys: Sequence[str], pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try effects that a local search finds alone, the most promising ones first; return the base and those.
+
+    Slopes promise little of what is not small, such as a lag: what promises little is followed all the same, unless
+    what was tried before leaves nothing to explain.
+    """
+    # Waves promise something of whatever is left: they come last, for themselves.
+    plain = [key for key in keys if not any(map(is_periodic, effect_of_key(key).parameters))]
+    gains = promises(base.fit, {key: {} for key in plain}, pool)
+    order = sorted(keys, key=lambda key: -gains.get(key, -math.inf))
+    work = [Work(base.fit, (key,), False) for key in order]
+    followed = partial(called_for, base)
+    return [base, *try_in_turn(work, followed, holdout, pool, progress, "effects one by one")]
+
+
+def called_for(base: Candidate, work: Work, tried: Sequence[Candidate]) -> Work:
+    """Return work on a single effect that is followed as far as what was tried before it calls for.
+
+    Beside one that settles the record an effect must promise something by slopes, unless they are alike, and come near
+    to be followed to its end. Beside a base that leaves little it must promise what can be told at all.
+    """
+    if base.fit.found.error < LITTLE_LEFT * base.fit.problem.noise_error:
+        return replace(work, promise=PROMISE_AT_NOISE)
+    ends = [each for each in tried if is_settled(each, base)]
+    if not ends:
+        return work
+    worth = FAR_BEHIND * min(each.fit.found.error for each in ends)
+    is_alike = any(differ_by_aliases(work.effects, each.effects) for each in ends)
+    return replace(work, worth=worth, promise=0.0 if is_alike else LEAST_PROMISE)
+
+
+def beside_reading(
+    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try all effects beside one that is read off the record, where that comes nearest and leaves something."""
+    nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
+    work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)
+    return try_all(work, holdout, pool, progress, "2 effects together")
+
+
+def rounds(library: Sequence[Effect]) -> list[list[str]]:
+    """Return the keys in the order of trying: what a local search finds, what takes a global one, what takes long."""
+    kinds = ((False, False), (True, False), (True, True))
+    local, *searched = ([each.key for each in library if (each.is_jagged, each.is_chaotic) == kind] for kind in kinds)
+    return [local, *(each for each in searched if each)]
+
+
+def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops: bool) -> Work:
+    """Return how an effect is tried alone: globally, but for one that leaves the stops of a record unexplained."""
+    is_global = not (has_stops and effect.is_jagged and not effect.stops_again)
+    return Work(base, (effect.key,), is_global, kin=kin_of(effect, tried))
+
+
+def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
+    """Return the best fit in which the stem jumps off, for an effect whose runs take long; else None."""
+    kin = [each.fit for each in tried if any(effect_of_key(key).breakaway for key in each.effects)]
+    return min(kin, key=lambda fit: fit.found.error) if kin and effect.is_chaotic else None
+
+
+def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:
+    """Return the effects, of those named or of all, that the records can show: settled loops none that acts in time."""
+    is_loop = all(experiment.is_loop for experiment in holdout.experiments)
+    named = EFFECTS if keys is None else [effect_of_key(key) for key in dict.fromkeys(keys)]
+    return [effect for effect in named if not (is_loop and effect.acts_in_time)]

@@ -1,0 +1,199 @@
+"""Proposals: which effects are tried on top of, beside and in place of those of the best causes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+
+from diagnosis.explaining import explains, misfit, stops_seen
+from diagnosis.judgement import is_felt
+from diagnosis.standing import (
+    EXPLAINS_SOME,
+    NEAR_THE_BEST,
+    alone_of,
+    best_of,
+    is_laid_on_top,
+    is_quick,
+    is_read_off,
+    is_settled,
+    is_worth_its_time,
+    unlike,
+)
+from diagnosis.trying import Candidate, Work, promises
+from identification.fit import Fit
+from valvemodel.effects import are_aliases, effect_of_key
+
+LEADERS = 2
+"""Best causes that are tried with one more effect."""
+
+SHORTLIST, SHORTLIST_BACK = 6, 4
+"""Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
+
+SHORTLIST_SLOW = 2
+"""The same on top of a cause whose runs take long."""
+
+SHORTLIST_ON_SERIES, BEST_ON_SERIES = 3, 2
+"""Effects that are tried beside a whole series of waves, by what they promise and because they are the best alone."""
+
+BEST_ALONE = 4
+"""Effects that are tried on top of each leader because they are the best alone: a leader's faults may hide them."""
+
+REVERSED = 4
+"""Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
+
+NO_GAIN, FAR_BEHIND = 0.9, 3.0
+"""Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
+followed to its end."""
+
+BEHIND = 1.5
+"""Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
+
+
+def extensions(
+    leaders: Sequence[Candidate],
+    tried: Sequence[Candidate],
+    single: dict[str, dict[str, float]],
+    count: int,
+    pool: Executor | None,
+) -> list[Work]:
+    """Return what is to be tried on top of some causes: the most promising effects, no cause twice.
+
+    A whole series of waves is laid on top of the other effect, and bears no third. What is read off the record and has
+    no numbers to fit is laid on top of all others: a fit beside it follows none but the readings at its steps' edges.
+    """
+    known = {frozenset(each.effects) for each in tried}
+    better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
+    worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
+    alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
+    fits = {key: each.fit for key, each in alone_of(tried).items()}
+    # What has no numbers to fit costs one run, and a promise by slopes says little of it.
+    plain = [key for key in single if effect_of_key(key).is_read_off]
+    # What comes close to no effect promises little by slopes, and shows where little is left.
+    hiding = [key for key in single if "none" in effect_of_key(key).aliases]
+    has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
+    work: list[Work] = []
+    for leader in leaders:
+        if leader.has_series and len(leader.effects) > 1:
+            continue
+        takes_long = any(effect_of_key(key).is_chaotic or effect_of_key(key).takes_long for key in leader.effects)
+        stopping = [] if has_cause else stopping_on(leader.fit, single)
+        best = alone[:BEST_ON_SERIES] if leader.has_series else alone
+        if is_read_off(leader):
+            best = [*alone, *(key for key in single if not effect_of_key(key).takes_long)]
+        called = (*best, *plain, *(hiding if explains(leader, tried[0], generous=True) else ()))
+        certain = list(dict.fromkeys([*stopping, *(key for key in called if key not in leader.effects)]))
+        most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
+        for key in shortlist(leader.fit, single, certain, min(count, most), pool):
+            effects = (*leader.effects, key)
+            if frozenset(effects) in known:
+                continue
+            known.add(frozenset(effects))
+            is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
+            if is_laid_on_top(leader):
+                # On top of the few unknowns of the other, not of the many of a series, or of none.
+                (own,) = leader.effects
+                work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
+            else:
+                work.append(Work(leader.fit, effects, is_global, single[key]))
+    return worthwhile(work, tried)
+
+
+def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, of some in their order, that are tried with one more effect.
+
+    A whole series of waves that comes nearest may stand in for much else: it leads beside others, not in their place.
+    """
+    plain = [each for each in order if not each.has_series]
+    leaders = [each for each in unlike(plain)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(plain[0])]
+    return [*order[:1], *leaders] if order[0].has_series else leaders
+
+
+def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
+    """Return work whose fits are only followed to their end where they come near the best so far.
+
+    Errors of runs that are put anew on the readings every so often tell nothing of those of free runs.
+    """
+
+    def worth(job: Work) -> float:
+        alike = [each for each in tried if each.fit.problem.is_anchored == job.fit.problem.is_anchored]
+        least = min(each.fit.found.error for each in alike)
+        smaller = min(each.fit.found.error for each in alike if len(each.effects) < len(job.effects))
+        return min(NO_GAIN * smaller, FAR_BEHIND * least)
+
+    return [replace(each, worth=worth(each)) for each in work]
+
+
+def shortlist(
+    fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int, pool: Executor | None
+) -> list[str]:
+    """Return the effects that promise most on what a fit leaves over, after those that are called for in any case.
+
+    One whose runs take long beside another must be called for.
+    """
+    keys = [key for key in single if key not in fit.model.effects and not effect_of_key(key).takes_long]
+    keys = [key for key in keys if key not in certain]
+    gains = promises(fit, {key: single[key] for key in keys}, pool)
+    order = sorted(keys, key=lambda key: -gains[key])
+    return [*dict.fromkeys(certain), *order[:count]]
+
+
+def stopping_on(fit: Fit, single: dict[str, dict[str, float]]) -> list[str]:
+    """Return the effects that make a stem stop again and again, where a record shows that and a fit does not."""
+    if any(effect_of_key(key).stops_again for key in fit.model.effects) or not stops_seen(fit):
+        return []
+    return [key for key in single if effect_of_key(key).stops_again]
+
+
+def left_alone(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the causes of one effect that came nearer beside another which leaves no trace, as work from there.
+
+    The search for it alone had ended beside the least error.
+    """
+    alone = alone_of(tried)
+    work: dict[str, Work] = {}
+    pairs = best_of(tried, 2)
+    idle = [each for each in pairs if not is_felt(each) and misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
+    for pair in idle:
+        for key in pair.effects:
+            if misfit(pair) < NO_GAIN * misfit(alone[key]):
+                known = dict(pair.fit.model.effects[key])
+                work.setdefault(key, Work(tried[0].fit, (key,), False, known, kin=pair.fit))
+    return list(work.values())
+
+
+def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
+    """Return the best causes of two effects as work in the other order, where that begins with a fit at hand."""
+    alone = alone_of(tried)
+    pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
+    known = {each.effects for each in tried}
+    return [
+        Work(alone[second].fit, (second, first), False, single[first])
+        for first, second in pairs
+        if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
+    ]
+
+
+def exchanged(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best causes of two effects with each exchanged for its aliases.
+
+    One that promises most on the leader's residual may only stand in for another that needs the leader's values moved:
+    the alias is taken as fitted alone, and what stays with its numbers in the pair comes on top. A cause that was tried
+    and lies far behind is tried once more in that way.
+    """
+    known = {frozenset(each.effects): misfit(each) for each in tried}
+    work: dict[frozenset[str], Work] = {}
+    pairs = best_of(tried, 2)
+    for best in pairs[: 1 if is_settled(pairs[0], tried[0]) else LEADERS]:
+        for kept, left in (best.effects, best.effects[::-1]):
+            values = dict(best.fit.model.effects[kept])
+            for other in best_of(tried, 1):
+                key = other.effects[0]
+                cause = frozenset((key, kept))
+                is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
+                if other.has_series:
+                    continue
+                if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
+                    work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
+    return list(work.values())

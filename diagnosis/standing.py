@@ -1,0 +1,122 @@
+"""Standing: how causes that were tried stand to each other, and what each of them may be worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from diagnosis.explaining import AT_NOISE, explains, misfit
+from diagnosis.trying import Candidate
+from valvemodel.effects import differ_by_aliases, effect_of_key
+
+SHARPENED = 2
+"""Best causes that are searched about where they make the stem stop and jump, and leave something to explain."""
+
+NEAR_THE_BEST = 2.0
+"""Causes whose squared error is within this factor of the best of their size are tried with one more effect, or
+searched about."""
+
+SETTLED_SHARE = 0.025
+"""Share of the base's error, in root mean square, that a cause may leave beside the noise for only those that are alike
+to be looked for."""
+
+MANY_NUMBERS = 4
+"""Free numbers from which an effect may stand in for one of fewer: a tight spot of any place, width and shape does."""
+
+EXPLAINS_MUCH, EXPLAINS_SOME = 0.5, 0.75
+"""Share of the base's squared error below which a cause must come whose runs take long for others to be tried on top of
+it, and for it to be tried on top of others."""
+
+
+def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
+    """Return the causes of so many effects, the best first."""
+    return sorted((each for each in tried if len(each.effects) == size), key=misfit)
+
+
+def alone_of(tried: Sequence[Candidate]) -> dict[str, Candidate]:
+    """Return the causes of one effect by its key, in the order in which they were tried."""
+    return {each.effects[0]: each for each in tried if len(each.effects) == 1}
+
+
+def values_alone(tried: Sequence[Candidate]) -> dict[str, dict[str, float]]:
+    """Return the values of each effect as fitted alone. [SI]"""
+    return {key: dict(each.fit.model.effects[key]) for key, each in alone_of(tried).items()}
+
+
+def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes, each as the one of the same effects that comes nearest, in whatever order of adding."""
+    best: dict[frozenset[str], Candidate] = {}
+    for each in (*tried, *others):
+        effects = frozenset(each.effects)
+        best[effects] = min(best.get(effects, each), each, key=misfit)
+    return list(best.values())
+
+
+def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
+    """Return causes without those that differ from one before them by a declared alias.
+
+    These are exchanged later, but for what takes long.
+    """
+    kept: list[Candidate] = []
+    for cause in causes:
+        is_exchanged = all(is_quick(key) for key in cause.effects)
+        if not is_exchanged or not any(differ_by_aliases(cause.effects, each.effects) for each in kept):
+            kept.append(cause)
+    return kept
+
+
+def is_settled(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause is as near the noise as the right one in another form can be expected to come.
+
+    Only what is alike can come as near. A whole series of waves, or an effect of many numbers, may come there in the
+    place of something else.
+    """
+    within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
+    numbers = [sum(not each.is_higher for each in effect_of_key(key).fitted) for key in candidate.effects]
+    return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
+
+
+def stands_in(candidate: Candidate) -> bool:
+    """Return whether an effect of a cause has so many free numbers that it may stand in for another, at little cost."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    return any(len(each.fitted) >= MANY_NUMBERS and not each.takes_long for each in effects) or candidate.has_series
+
+
+def is_read_off(candidate: Candidate) -> bool:
+    """Return whether all numbers of a cause are read off the record."""
+    return bool(candidate.effects) and all(effect_of_key(key).is_read_off for key in candidate.effects)
+
+
+def is_laid_on_top(candidate: Candidate) -> bool:
+    """Return whether a cause of one effect is laid on top of another's fit, not under it."""
+    return candidate.has_series or is_read_off(candidate)
+
+
+def breaks_away(candidate: Candidate) -> bool:
+    """Return whether one of a cause's effects makes the stem stop and jump, or takes long to run."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    return any(each.breakaway or each.takes_long for each in effects)
+
+
+def is_quick(key: str) -> bool:
+    """Return whether a search for an effect beside another takes no global search and no long runs."""
+    effect = effect_of_key(key)
+    return not effect.is_jagged and not effect.takes_long
+
+
+def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPLAINS_MUCH) -> bool:
+    """Return whether a cause is tried together with more: where its runs take long, only if it explains so much."""
+    takes_long = any(effect_of_key(key).takes_long for key in candidate.effects)
+    return not takes_long or misfit(candidate) < share * misfit(base)
+
+
+def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
+    """Return those of the first of some causes whose search may have ended beside the least error."""
+    near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+    return [each for each in near if is_blunt(each) and not explains(each, base)]
+
+
+def is_blunt(candidate: Candidate) -> bool:
+    """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
+    effects = [effect_of_key(key) for key in candidate.effects]
+    ends_soon = not any(each.is_chaotic for each in effects) and not candidate.has_series
+    return any(each.breakaway for each in effects) and ends_soon
