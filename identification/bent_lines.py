@@ -17,8 +17,12 @@ from identification.search import Found, errors
 from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
 
-STRAIGHT = frozenset({"asymmetric_viscous_friction", "transport_delay"})
-"""Effects that leave force and reading of a rest as they are, or but for whole samples."""
+STRAIGHT = frozenset({"asymmetric_viscous_friction"})
+"""Effects that leave force and reading of a rest as they are."""
+
+DEAD_TIME, LONGEST, APART = "transport_delay", 1.0, 1.1
+"""A number that moves breakaways by whole samples alone, so that slopes tell nothing of it: it is tried at a ladder of
+them, up to so many seconds, each rung so many times the one before or a sample further."""
 
 LEAST_BREAKAWAYS = 12
 """Breakaways that a line needs which is bent."""
@@ -26,8 +30,8 @@ LEAST_BREAKAWAYS = 12
 MUCH_NEARER = 0.3
 """Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
 
-FOLLOWED = 2
-"""Most promising starts of an effect from which a line is laid; some lead where none follows."""
+FOLLOWED, RUNGS = 2, 6
+"""Most promising starts of an effect from which a line is laid, some lead where none follows; and rungs of a ladder."""
 
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
@@ -81,7 +85,8 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     """
     if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
-    starts = sorted(promised(fit, line, effect), key=lambda each: each[2])[:FOLLOWED]
+    followed = RUNGS if has_dead_time(effect) else FOLLOWED
+    starts = sorted(promised(fit, line, effect), key=lambda each: each[2])[:followed]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
     laid = [
@@ -96,7 +101,7 @@ def promised(fit: Fit, line: Line, effect: Effect) -> Iterator[tuple[Problem, np
     """Yield the starts of an effect with the line's best answer by slopes, and the squared error left."""
     known = len(line.point)
     slopes = slopes_of(line.breakaways.centred, line.point, line.columns)
-    for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+    for start in starts_to_bend(fit, effect):
         problem, point = joined(fit.problem, line.point, effect, start)
         there = replace(line.breakaways, problem=problem)
         off = there.centred(point[None, :])[0]
@@ -105,3 +110,22 @@ def promised(fit: Fit, line: Line, effect: Effect) -> Iterator[tuple[Problem, np
         point = np.clip(point, *problem.bounds)
         off = there.centred(point[None, :])[0]
         yield problem, point, float(np.sum(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0)))
+
+
+def starts_to_bend(fit: Fit, effect: Effect) -> Iterator[dict[str, float]]:
+    """Yield the points at which a line is first bent by an effect."""
+    starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
+    if not has_dead_time(effect):
+        yield from starts
+        return
+    forms = dict.fromkeys(tuple((start | {DEAD_TIME: 0.0}).items()) for start in starts)
+    period = min(float(np.median(np.diff(each.time))) for each in fit.problem.experiments)
+    samples = 1
+    while samples * period <= LONGEST:
+        yield from (dict(form) | {DEAD_TIME: samples * period} for form in forms)
+        samples = max(samples + 1, round(APART * samples))
+
+
+def has_dead_time(effect: Effect) -> bool:
+    """Return whether an effect has a number that moves breakaways by whole samples alone."""
+    return any(each.name == DEAD_TIME for each in effect.parameters)

@@ -75,8 +75,20 @@ def test_the_effect_that_bends_the_line_is_the_plant_s(drifting):
 def test_effects_that_leave_rests_as_they_are_bend_no_line(drifting):
     _, _, base = drifting
     line = straight_line(base)
-    for key in ("static_friction", "presliding", "sensor_lag", "transport_delay", "asymmetric_viscous_friction"):
+    for key in ("static_friction", "presliding", "sensor_lag", "asymmetric_viscous_friction"):
         assert bent_line(base, line, effect_of_key(key)) is None
+
+
+@pytest.mark.parametrize(("seed", "law"), [(9402, "stribeck"), (9407, "stribeck"), (9403, "static_friction")])
+def test_a_dead_time_is_told_by_the_line_to_a_sample(given, seed, law):
+    plant, _, base = plant_and_base(given, seed, "transport_delay", law)
+    line = straight_line(base)
+    assert not line.is_explained
+    bent = bent_line(base, line, effect_of_key("transport_delay"))
+    assert bent.line.is_explained
+    (delay,) = (each.parameters["delay"] for each in plant.effects if each.effect == "transport_delay")
+    assert bent.fit.model.effects["transport_delay"]["transport_delay"] == pytest.approx(delay, abs=0.021)
+    assert bent_line(base, line, effect_of_key("gap_drift")) is None
 
 
 def test_a_lag_bends_the_line_as_well(given):
