@@ -63,7 +63,8 @@ def extensions(
     A whole series of waves is laid on top of the other effect, and bears no third. What is read off the record and has
     no numbers to fit is laid on top of all others: a fit beside it follows none but the readings at its steps' edges.
     """
-    known = {frozenset(each.effects) for each in tried}
+    # A pair with one wave says nothing of one with many.
+    known = {(frozenset(each.effects), each.has_series) for each in tried}
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
@@ -87,9 +88,10 @@ def extensions(
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
-            if frozenset(effects) in known:
+            cause = (frozenset(effects), leader.has_series)
+            if cause in known:
                 continue
-            known.add(frozenset(effects))
+            known.add(cause)
             is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
             if is_laid_on_top(leader):
                 # On top of the few unknowns of the other, not of the many of a series, or of none.

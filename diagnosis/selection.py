@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from functools import partial
 
 from diagnosis.alone import try_first
-from diagnosis.explaining import any_explains, explains, misfit
+from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
     LEADERS,
@@ -81,7 +81,7 @@ def try_together(
         if not is_told(tried) and not any(explains(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, holdout, pool, progress)
         best = best_of(tried, size)
-        if not best or misfit(best[0]) > NO_GAIN * misfit(order[0]):
+        if not best or not gains(best[0], order[0]):
             break
         if size == 2:
             tried = with_kindred(tried, holdout, pool, progress)
@@ -95,16 +95,24 @@ def try_together(
 def is_explained(tried: Sequence[Candidate], size: int) -> bool:
     """Return whether what was tried leaves nothing for causes of so many effects to be looked for.
 
-    What may stand in for anything ends no search for two effects; a third is looked for where two leave much.
+    One effect must come to the noise, where two of the right kind do, and be none that may stand in for anything; a
+    third is looked for where two leave much.
     """
     if size > 2:
         return any_explains(tried, generous=True)
-    return any(explains(each, tried[0]) and not stands_in(each) for each in tried)
+    base, *others = tried
+    ends = [each for each in others if explains(each, base) and not stands_in(each)]
+    return explains(base, base) or any(len(each.effects) > 1 or misfit(each) < AT_NOISE for each in ends)
 
 
 def is_told(tried: Sequence[Candidate]) -> bool:
     """Return whether the nearest two effects explain the record, and neither may stand in for anything."""
     return any(explains(each, tried[0]) and not stands_in(each) for each in best_of(tried, 2)[:1])
+
+
+def gains(candidate: Candidate, other: Candidate) -> bool:
+    """Return whether a cause leaves less beyond the noise than another of fewer effects."""
+    return misfit(candidate) - 1.0 <= NO_GAIN * max(misfit(other) - 1.0, 0.0)
 
 
 def goes_in_jumps(candidate: Candidate) -> bool:
@@ -142,7 +150,7 @@ def on_top_of_the_best(
     if size == 2:
         known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
     best = best_of(known, size)
-    if not best or misfit(best[0]) > NO_GAIN * misfit(order[0]) or settles(best[0]):
+    if not best or not gains(best[0], order[0]) or settles(best[0]):
         return known
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]

@@ -85,7 +85,7 @@ def test_what_explains_the_gap_needs_no_stops(monkeypatch):
 
 
 def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_most_probable(monkeypatch):
-    """By a factor e a hundredth of the noise, up to a bound; what has more effects is apart."""
+    """By a factor e a hundredth of the noise, up to a bound; what has more effects is apart, none far behind one."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     tried = [candidate(90.0), candidate(1.01, "area_variation"), candidate(1.02, "spring_hardening")]
     tried += [candidate(1.3, "air_leak"), candidate(80.0, "coil_lag"), candidate(1.0, "air_leak", "coil_lag")]
@@ -93,7 +93,7 @@ def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_mo
     support = np.log(judged.probabilities)
     lost = support - judged.evidence - [judgement.log_prior(each) for each in tried]
     assert lost[[2, 3, 4]] - lost[1] == pytest.approx([-1.0, -judgement.MOST_BEHIND, -judgement.MOST_BEHIND])
-    assert lost[[0, 5]] - lost[1] == pytest.approx(0.0)
+    assert lost[[0, 5]] - lost[1] == pytest.approx([-judgement.MOST_BEHIND, 0.0])
     assert judged.lost == pytest.approx([0.0, 0.0, 1.0, judgement.MOST_BEHIND, judgement.MOST_BEHIND, 0.0])
     assert judged.evidence[1] - judged.evidence[2] < 0.2
 
@@ -124,6 +124,15 @@ def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeyp
     judged = judge([candidate(90.0), waves, plain, *more])
     assert judged.lost[1] == pytest.approx(lost)
     assert judged.lost[2] == pytest.approx(lost)
+
+
+@pytest.mark.parametrize(("single", "lost"), [(1.1, 0.0), (1.18, 4.0)])
+def test_one_effect_loses_to_two_that_come_nearer_than_what_is_below_notice(monkeypatch, single, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    tried = [candidate(3.0), candidate(single, "coil_lag"), candidate(1.0, "gap_drift", "sensor_lag", trace=2.0)]
+    assert judge(tried).lost[1] == pytest.approx(lost)
+    # Beside a large gap another form of the one may leave as much.
+    assert judge([candidate(300.0), *tried[1:]]).lost[1] == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize(("misfit", "lost"), [(1.04, 4.0), (1.2, 0.0)])

@@ -126,8 +126,9 @@ def test_two_that_explain_together_end_the_search_unless_one_may_stand_in(monkey
 @pytest.mark.parametrize(
     ("alone", "is_asked"),
     [
-        (candidate(1.1, "coil_lag"), False),
-        (candidate(1.1, "position_dependent_friction"), True),
+        (candidate(1.02, "coil_lag"), False),
+        (candidate(1.1, "coil_lag"), True),
+        (candidate(1.02, "position_dependent_friction"), True),
         (waves(1.01, "load_force"), True),
         (candidate(9.0, "static_friction"), False),
         (candidate(9.0, "quantisation"), False),
@@ -157,6 +158,9 @@ def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(mo
     (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6, None)
     assert plain.effects == ("air_leak", "coil_lag")
     assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6, None) == []
+    with_one_wave = candidate(8.5, "coil_lag", "load_force")
+    assert [each.effects for each in extensions([load], [*tried, with_one_wave], single, 6, None)] == [work.effects]
+    assert extensions([load], [*tried, replace(with_one_wave, has_series=True)], single, 6, None) == []
 
 
 def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
