@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -40,6 +40,20 @@ CLOSE_AT_SLIPS, MOST = 1.5, 3
 
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a law on top of an effect makes of the slips, on the line with that effect; the best form of it first."""
+
+    work: Work
+    line: Line
+    slips: list[SlipSearch]
+
+    @property
+    def error(self) -> float:
+        """Error at the slips, each judged by itself."""
+        return self.slips[0].found.error if self.slips else math.inf
 
 
 def beside_slips(
@@ -88,8 +102,8 @@ def beside_slips(
     # A line that one effect bends shows stairs, if it is not the law alone that does.
     chosen = makers[:1] if line.is_explained else laws[:MAKERS]
     looked, alone_at_slips = look_at_slips(bent, line, chosen, base.fit, pool, progress)
-    if not any(slips for _, slips in looked):
-        known = [replace(each, slips=[]) for each, _ in looked[:MAKERS]]
+    if not any(each.slips for each in looked):
+        known = [replace(each.work, slips=[]) for each in looked[:MAKERS]]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
 
@@ -101,53 +115,43 @@ def look_at_slips(
     base: Fit,
     pool: Executor | None,
     progress: Progress,
-) -> tuple[list[tuple[Work, list[SlipSearch]]], float]:
-    """Return what laws on top of effects make of the slips, each as work, and the error of a law alone there.
+) -> tuple[list[Look], float]:
+    """Return what laws on top of effects make of the slips, and the error of a law alone there.
 
     Beside the effect with which the breakaways lie nearest to a line the laws are compared; beside the others that do
     as well the better one is asked. Alone it is judged in the same way, on the line as it is.
     """
     progress("what sets how far the slips go", 0.0)
 
-    def look(chosen: Sequence[BentLine], beside: Sequence[Candidate]) -> list[tuple[Work, list[SlipSearch]]]:
+    def look(chosen: Sequence[BentLine], beside: Sequence[Candidate]) -> list[Look]:
         work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in chosen for law in beside]
         lines = [each.line for each in chosen for _ in beside]
-        return list(zip(work, (pool.map if pool else map)(slips_of, work, lines), strict=True))
+        return list(map(Look, work, lines, (pool.map if pool else map)(slips_of, work, lines)))
 
     looked = look(bent[:1], laws)
-    errors = [slips[0].found.error if slips else math.inf for _, slips in looked]
-    law = laws[int(np.argmin(errors))]
-    chosen = [each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)]
-    looked += look(chosen, [law])
-    lines = [*(bent[0].line for _ in laws), *(each.line for each in chosen)]
-    looked = looked_at_again(looked, lines, pool)
+    law = laws[int(np.argmin([each.error for each in looked]))]
+    looked += look([each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)], [law])
+    looked = looked_at_again(looked, pool)
     alone = slips_of(Work(on_the_line(base.problem, line), law.effects, True), line)
     return looked, alone[0].found.error if alone else math.inf
 
 
-def looked_at_again(
-    looked: Sequence[tuple[Work, list[SlipSearch]]], lines: Sequence[Line], pool: Executor | None
-) -> list[tuple[Work, list[SlipSearch]]]:
+def looked_at_again(looked: Sequence[Look], pool: Executor | None) -> list[Look]:
     """Return what was looked at, the law that came nearest tried again beside the other effects, near its numbers.
 
     A search that did not come near them leaves an effect behind that is as good.
     """
-    found = [slips[0] for _, slips in looked if slips]
-    if not found:
+    nearest = min(looked, key=lambda each: each.error)
+    others = [each for each in looked if each is not nearest and each.work.effects[-1] == nearest.work.effects[-1]]
+    if not nearest.slips:
         return list(looked)
-    nearest = min(found, key=lambda each: each.found.error)
-    law = next(work.effects[-1] for work, slips in looked if slips and slips[0] is nearest)
-    others = [
-        (n, work) for n, (work, slips) in enumerate(looked) if work.effects[-1] == law and nearest not in slips[:1]
+    again = (pool.map if pool else map)(partial(slips_again, nearest.slips[0]), others)
+    rest = [each for each in looked if all(each is not other for other in others)]
+    better = [
+        replace(each, slips=sorted([*each.slips, *more], key=lambda one: one.found.error))
+        for each, more in zip(others, again, strict=True)
     ]
-    again = (pool.map if pool else map)(
-        partial(slips_again, nearest), [work for _, work in others], [lines[n] for n, _ in others]
-    )
-    better = dict(zip((n for n, _ in others), again, strict=True))
-    return [
-        (work, sorted([*slips, *better.get(n, [])], key=lambda each: each.found.error))
-        for n, (work, slips) in enumerate(looked)
-    ]
+    return [*rest, *better]
 
 
 def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
@@ -165,15 +169,16 @@ def stops_by_reading(cause: Candidate) -> bool:
     return effect.stops_again and not effect.breakaway
 
 
-def nearest_at_slips(looked: Sequence[tuple[Work, list[SlipSearch]]], alone: float) -> list[Work]:
+def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
     """Return the work whose law comes nearest at the slips, each judged by itself, the best first.
 
     Several effects bend the line as well as each other, and the law that is better alone may be the wrong one: a quick
     look at the slips tells. What comes no nearer there than a law `alone` is not searched for whole.
     """
-    begun = [(slips[0].found.error, each, slips) for each, slips in looked if slips and slips[0].found.error < alone]
-    begun.sort(key=lambda one: one[0])
-    return [replace(each, slips=slips) for error, each, slips in begun if error <= CLOSE_AT_SLIPS * begun[0][0]][:MOST]
+    begun = sorted((each for each in looked if each.error < alone), key=lambda each: each.error)
+    return [replace(each.work, slips=each.slips) for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error][
+        :MOST
+    ]
 
 
 def slips_of(work: Work, line: Line) -> list[SlipSearch]:
@@ -181,9 +186,9 @@ def slips_of(work: Work, line: Line) -> list[SlipSearch]:
     return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
 
 
-def slips_again(nearest: SlipSearch, work: Work, line: Line) -> list[SlipSearch]:
+def slips_again(nearest: SlipSearch, look: Look) -> list[SlipSearch]:
     """Return what the last effect of a cause makes of the slips beside the others, near what it made beside another."""
-    return slips_beside(nearest, work.fit, effect_of_key(work.effects[-1]), line)
+    return slips_beside(nearest, look.work.fit, effect_of_key(look.work.effects[-1]), look.line)
 
 
 def bent_lines(

@@ -115,7 +115,7 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     assert all(each.line.is_explained for each in bent)
     law = Candidate(("static_friction",), base, score_fit(base, holdout))
     looked, alone = look_at_slips(bent, line, [law], base, None, lambda *what: None)
-    errors_by = {work.effects[0]: found[0].found.error for work, found in looked if found}
+    errors_by = {each.work.effects[0]: each.error for each in looked if each.slips}
     assert set(errors_by) == set(keys)
     assert errors_by["asymmetric_friction"] < 0.9 * min(errors_by["friction_drift"], errors_by["sensor_drift"], alone)
 
@@ -214,8 +214,8 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
 
 def looked(error: float, *effects: str):
     """Return a pair whose law comes so near at the slips, or whose slips tell nothing."""
-    slips = [SimpleNamespace(found=SimpleNamespace(error=error))] if error else []
-    return Work("fit", effects, True), slips
+    found = [SimpleNamespace(found=SimpleNamespace(error=error))] if error else []
+    return slips.Look(Work("fit", effects, True), "line", found)
 
 
 def test_pairs_are_searched_for_whole_that_come_near_the_best_at_the_slips():
