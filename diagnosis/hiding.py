@@ -62,7 +62,7 @@ def with_hidden(
     if not explains(best, tried[0]):
         return list(tried), said(beside, best)
     unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
-    keys = [key for key in unfelt if can_hide(effect_of_key(key)) and key not in best.effects]
+    keys = [key for key in unfelt if effect_of_key(key).hides_in_base and key not in best.effects]
     found = try_all([beside_at(best, key) for key in keys], holdout, pool, progress, "what may hide")
     astray = [each.effects[-1] for each in found if misfit(each) > ASTRAY * misfit(best)]
     found += try_all([beside_at(best, key, SMALLER) for key in astray], holdout, pool, progress, "what may hide")
@@ -84,7 +84,7 @@ def alike_beside(chosen: int, tried: Sequence[Candidate], judgement: Judgement) 
     best, found = set(tried[chosen].effects), []
     for number, each in enumerate(tried):
         added = set(each.effects) - best
-        if not best < set(each.effects) or len(added) > 1 or not can_hide(effect_of_key(min(added))):
+        if not best < set(each.effects) or len(added) > 1 or not effect_of_key(min(added)).hides_in_base:
             continue
         if each.trace >= FELT and abs(judgement.evidence[number] - judgement.evidence[chosen]) < WITHIN_ERROR:
             found.append(number)
@@ -100,11 +100,6 @@ def said(hidden: Sequence[Candidate], best: Candidate) -> list[str]:
 def is_hidden(found: Candidate, best: Candidate) -> bool:
     """Return whether a cause explains as well as the one that it adds an effect to, and the effect is a strong one."""
     return misfit(found) < HIDES * misfit(best) and found.trace >= FELT
-
-
-def can_hide(effect: Effect) -> bool:
-    """Return whether an effect is declared to come close to none, and its strength is free."""
-    return "none" in effect.aliases and len(effect.fitted) == len(effect.parameters)
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:

@@ -119,6 +119,11 @@ class Effect:
         return not self.fitted
 
     @property
+    def hides_in_base(self) -> bool:
+        """Whether it comes close to none, at any strength: the base valve's numbers make up for it."""
+        return "none" in self.aliases and len(self.fitted) == len(self.parameters)
+
+    @property
     def shown(self) -> tuple[Parameter, ...]:
         """The parameters that a table shows: of a series of like numbers the first."""
         return tuple(parameter for parameter in self.parameters if not parameter.is_higher)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from diagnosis import hiding, judgement
-from diagnosis.hiding import can_hide, strongest_start, with_hidden
+from diagnosis.hiding import strongest_start, with_hidden
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
@@ -120,7 +120,7 @@ def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkey
 def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeypatch, trace, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     waves = replace(candidate(1.04, "load_force"), has_series=True)
-    plain = candidate(1.2, "coil_lag", "air_leak")
+    plain = candidate(1.2, "coil_lag", "sensor_lag")
     more = [replace(candidate(1.0, "load_force", "gap_drift", trace=trace), has_series=True)]
     judged = judge([candidate(90.0), waves, plain, *more])
     assert judged.lost[1] == pytest.approx(lost)
@@ -173,7 +173,7 @@ def test_what_its_strongest_start_led_astray_is_tried_from_a_smaller_one(monkeyp
     [("air_leak", True), ("linkage_backlash", True), ("choked_flow", False), ("coil_lag", False)],
 )
 def test_only_effects_of_free_strength_that_come_close_to_none_can_hide(key, expected):
-    assert can_hide(effect_of_key(key)) == expected
+    assert effect_of_key(key).hides_in_base == expected
 
 
 def test_strongest_start_would_be_felt():

@@ -227,6 +227,31 @@ def test_of_causes_that_cannot_be_told_apart_the_most_probable_are_named(quiet, 
     assert rivals_of(1, tried, judgement) == [("transport_delay",), ("sensor_lag",)]
 
 
+def test_a_cause_that_is_far_less_probable_is_told_from_the_chosen_one(quiet, refitted):
+    base, _ = refitted(quiet)
+    effects = [(), ("coil_lag",), ("sensor_lag",), ("transport_delay",)]
+    tried = [Candidate(each, base.fit, score_of(*[1.0] * 6), trace=9.0) for each in effects]
+    judgement = Judgement(np.array([0.0, 0.9, 0.04, 0.06]), 0.0, np.array([0.0, 20.0, 19.0, 19.0]))
+    assert rivals_of(1, tried, judgement) == [("transport_delay",)]
+
+
+@pytest.mark.parametrize(
+    ("second", "left", "is_doubted"),
+    [
+        ("asymmetric_friction", 1.3, True),
+        ("asymmetric_friction", 1.04, False),
+        ("position_dependent_friction", 1.3, False),
+    ],
+)
+def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(quiet, refitted, second, left, is_doubted):
+    base, _ = refitted(quiet)
+    tried = [
+        Candidate((), base.fit, score_of(*[400.0] * 12), trace=math.inf),
+        Candidate(("magnetic_saturation", second), base.fit, score_of(*[left] * 12), trace=9.0, freedom=3),
+    ]
+    assert (judge(tried).unknown > 0.3) == is_doubted
+
+
 @pytest.mark.parametrize(
     ("alone", "pair", "other", "is_seen"),
     [
