@@ -254,7 +254,7 @@ def lost_by_imitation(candidates: Sequence[Candidate]) -> np.ndarray:
     """
     lost = np.zeros(len(candidates))
     for number, each in enumerate(candidates):
-        effects = [effect_of_key(key) for key in each.effects]
+        effects = [effect_of_key(key) for key in each.fit.model.effects]
         if len(effects) > 1 and any(one.hides_in_base for one in effects) and not any(one.is_jagged for one in effects):
             lost[number] = np.clip((misfit(each) - AT_NOISE) / BEHIND, 0.0, MOST_IMITATED)
     return lost

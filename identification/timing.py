@@ -24,6 +24,10 @@ CALM_SHARE = 0.1
 CERTAINTY = 6.0
 """Standard errors by which readings must answer the current of their own row."""
 
+BY_CHANCE = 0.1
+"""Share of the steps, the one with the largest turn at least, that do not count: a stem that sticks may break away in
+the row of a step by chance."""
+
 END_OF_PERIOD = "rows hold the state at the end of each period: readings answer the current of their own row"
 
 
@@ -66,7 +70,9 @@ def answers_own_row(record: Record) -> bool:
             continue
         turn = side * (signal[steps] - 2.0 * signal[steps - 1] + signal[steps - 2])
         rounding = reading_step(signal[np.isfinite(signal)]) / np.sqrt(12.0)
-        error = float(np.hypot(noise_level(signal), rounding)) * np.sqrt(6.0 / len(steps))
-        if float(np.nanmean(turn)) > CERTAINTY * error:
+        known = np.sort(turn[np.isfinite(turn)])
+        counts = known[: len(known) - max(1, round(BY_CHANCE * len(known)))]
+        error = float(np.hypot(noise_level(signal), rounding)) * np.sqrt(6.0 / max(len(counts), 1))
+        if len(counts) > 0 and float(np.mean(counts)) > CERTAINTY * error:
             return True
     return False

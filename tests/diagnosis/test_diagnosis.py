@@ -114,6 +114,16 @@ def test_rows_at_the_end_of_their_period_are_noticed() -> None:
     assert found.verdict == "none"
 
 
+def test_a_slip_by_chance_in_the_row_of_a_step_is_not_taken_for_readings_at_the_end() -> None:
+    record = record_of_plant(3, ())
+    jumped = int(np.argmax(np.abs(np.diff(record.current)))) + 1
+    position = record.position.copy()
+    position[jumped:] += 0.05 * np.sign(record.current[jumped] - record.current[jumped - 1])
+    assert not answers_own_row(
+        Record.from_arrays(name="slip", time=record.time, current=record.current, position=position)
+    )
+
+
 @pytest.mark.parametrize("step", [2e-3, 6e-3])
 def test_coarse_readings_are_not_taken_for_readings_at_the_end_of_their_period(step: float) -> None:
     record = record_of_plant(3, ())

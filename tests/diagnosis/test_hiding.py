@@ -116,6 +116,24 @@ def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkey
     assert judge([candidate(90.0), spot, curve]).lost[2] == pytest.approx(lost)
 
 
+@pytest.mark.parametrize(
+    ("second", "left", "lost"),
+    [
+        ("asymmetric_friction", 1.3, judgement.MOST_IMITATED),
+        ("asymmetric_friction", 1.07, 2.0),
+        ("asymmetric_friction", 1.04, 0.0),
+        ("position_dependent_friction", 1.3, 0.0),
+        ("quantisation", 1.3, 0.0),
+    ],
+)
+def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(monkeypatch, second, left, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    base, pair = candidate(400.0), candidate(left, "magnetic_saturation", second)
+    judged = judge([base, pair])
+    assert judged.lost[1] == pytest.approx(lost)
+    assert (judged.unknown > 0.3) == (lost == judgement.MOST_IMITATED)
+
+
 @pytest.mark.parametrize(("trace", "lost"), [(2.0, 4.0), (0.5, 0.0)])
 def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeypatch, trace, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)

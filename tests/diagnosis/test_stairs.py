@@ -236,23 +236,6 @@ def test_a_cause_that_is_far_less_probable_is_told_from_the_chosen_one(quiet, re
 
 
 @pytest.mark.parametrize(
-    ("second", "left", "is_doubted"),
-    [
-        ("asymmetric_friction", 1.3, True),
-        ("asymmetric_friction", 1.04, False),
-        ("position_dependent_friction", 1.3, False),
-    ],
-)
-def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(quiet, refitted, second, left, is_doubted):
-    base, _ = refitted(quiet)
-    tried = [
-        Candidate((), base.fit, score_of(*[400.0] * 12), trace=math.inf),
-        Candidate(("magnetic_saturation", second), base.fit, score_of(*[left] * 12), trace=9.0, freedom=3),
-    ]
-    assert (judge(tried).unknown > 0.3) == is_doubted
-
-
-@pytest.mark.parametrize(
     ("alone", "pair", "other", "is_seen"),
     [
         (90.0, 20.0, "static_friction", True),
