@@ -12,7 +12,7 @@ from identification.breakaway import FAR, Line, breakaways_of, line_through, slo
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
-from identification.screening import SHRUNK, joined, residual_positions, resized
+from identification.screening import SHRUNK, as_given, joined, residual_positions, resized
 from identification.search import Found, errors
 from identification.stick_slip import HIDES_THE_LINE
 from valvemodel.declarations import Effect
@@ -30,8 +30,9 @@ LEAST_BREAKAWAYS = 12
 MUCH_NEARER = 0.3
 """Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
 
-FOLLOWED, RUNGS = 2, 6
-"""Most promising starts of an effect from which a line is laid, some lead where none follows; and rungs of a ladder."""
+FOLLOWED, AFRESH, RUNGS = 2, 1, 6
+"""Most promising starts of an effect from which a line is laid, some lead where none follows: beside the line without
+it, and beside the valve as it was given; and rungs of a ladder."""
 
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
@@ -86,7 +87,9 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
     followed = RUNGS if has_dead_time(effect) else FOLLOWED
-    starts = sorted(promised(fit, line, effect), key=lambda each: each[2])[:followed]
+    starts = promised(fit, line, effect, line.point)[:followed]
+    # Where an effect bends the line much, the one without it leads astray.
+    starts += promised(fit, line, effect, as_given(fit, fit.found.point))[:AFRESH]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
     laid = [
@@ -97,19 +100,30 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None
 
 
-def promised(fit: Fit, line: Line, effect: Effect) -> Iterator[tuple[Problem, np.ndarray, float]]:
-    """Yield the starts of an effect with the line's best answer by slopes, and the squared error left."""
-    known = len(line.point)
-    slopes = slopes_of(line.breakaways.centred, line.point, line.columns)
+def promised(fit: Fit, line: Line, effect: Effect, origin: np.ndarray) -> list[tuple[Problem, np.ndarray, float]]:
+    """Return the starts of an effect with the line's best answer by slopes, and the squared error left, least first.
+
+    Parameters
+    ----------
+    fit : Fit
+    line : Line
+        Through its breakaways.
+    effect : Effect
+    origin : array, shape (unknowns,)
+        Scaled point of the base valve beside which the starts are.
+    """
+    known, found = len(origin), []
+    slopes = slopes_of(line.breakaways.centred, origin, line.columns)
     for start in starts_to_bend(fit, effect):
-        problem, point = joined(fit.problem, line.point, effect, start)
+        problem, point = joined(fit.problem, origin, effect, start)
         there = replace(line.breakaways, problem=problem)
         off = there.centred(point[None, :])[0]
         answer, *_ = np.linalg.lstsq(slopes, -off, rcond=1e-6)
         point[:known][line.columns] += np.clip(answer, -ANSWER, ANSWER)
         point = np.clip(point, *problem.bounds)
         off = there.centred(point[None, :])[0]
-        yield problem, point, float(np.sum(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0)))
+        found.append((problem, point, float(np.sum(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0)))))
+    return sorted(found, key=lambda each: each[2])
 
 
 def starts_to_bend(fit: Fit, effect: Effect) -> Iterator[dict[str, float]]:

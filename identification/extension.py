@@ -17,6 +17,7 @@ from identification.screening import (
     LITTLE_LEFT,
     SHRUNK,
     Trial,
+    as_given,
     box_of,
     joined,
     placed,
@@ -246,7 +247,7 @@ def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Fou
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in kept]
-    starts += [(trial.problem, as_given(fit, trial)) for trial in [group[0], *others]]
+    starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -297,15 +298,6 @@ def best_descended(
     ]
     problem, best = min(begun, key=lambda pair: pair[1].error)
     return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed[1])
-
-
-def as_given(fit: Fit, trial: Trial) -> np.ndarray:
-    """Return a start with the base valve's numbers as they were given: those refitted without the effect mislead."""
-    point = trial.point.copy()
-    for number, unknown in enumerate(fit.unknowns):
-        if unknown.name in fit.model.values:
-            point[number] = 0.0
-    return point
 
 
 def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:

@@ -185,6 +185,22 @@ def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str,
     return extended, np.concatenate([point, scaled])
 
 
+def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:
+    """Return a scaled point with the base valve's numbers as they were given: those refitted without an effect mislead.
+
+    Parameters
+    ----------
+    fit : Fit
+        Without the effect; its unknowns come first in the point.
+    point : array, shape (unknowns,)
+    """
+    given = point.copy()
+    for number, unknown in enumerate(fit.unknowns):
+        if unknown.name in fit.model.values:
+            given[number] = 0.0
+    return given
+
+
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:
     """Return a start of an effect at so many times its size, within its bounds; the numbers that are no sizes stay."""
     return {
