@@ -106,8 +106,13 @@ def is_explained(tried: Sequence[Candidate], size: int) -> bool:
 
 
 def is_told(tried: Sequence[Candidate]) -> bool:
-    """Return whether the nearest two effects explain the record, and neither may stand in for anything."""
-    return any(explains(each, tried[0]) and not stands_in(each) for each in best_of(tried, 2)[:1])
+    """Return whether the nearest two effects explain the record, and neither may stand in for anything.
+
+    At the noise none of few numbers can come nearer.
+    """
+    return any(
+        explains(each, tried[0]) and (misfit(each) < AT_NOISE or not stands_in(each)) for each in best_of(tried, 2)[:1]
+    )
 
 
 def gains(candidate: Candidate, other: Candidate) -> bool:

@@ -109,7 +109,8 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     [
         (candidate(1.1, "coil_lag", "gap_drift"), False),
         (candidate(1.1, "coil_lag", "position_dependent_friction"), True),
-        (waves(1.01, "coil_lag", "load_force"), True),
+        (candidate(1.04, "coil_lag", "position_dependent_friction"), False),
+        (waves(1.1, "coil_lag", "load_force"), True),
         (candidate(9.0, "coil_lag", "gap_drift"), True),
     ],
 )
