@@ -38,6 +38,10 @@ WHAT = "two effects together"
 CLOSE_AT_SLIPS, MOST = 1.5, 3
 """Error at the slips, over the best one's, up to which an effect and a law are searched for whole, and how many."""
 
+NEARER_AT_SLIPS = 0.8
+"""Error at the slips, over that of a law alone, below which an effect and a law must come to be searched for whole: an
+effect's own numbers take in a part of any error."""
+
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
 
@@ -173,9 +177,9 @@ def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
     """Return the work whose law comes nearest at the slips, each judged by itself, the best first.
 
     Several effects bend the line as well as each other, and the law that is better alone may be the wrong one: a quick
-    look at the slips tells. What comes no nearer there than a law `alone` is not searched for whole.
+    look at the slips tells. What comes hardly nearer there than a law `alone` is not searched for whole.
     """
-    begun = sorted((each for each in looked if each.error < alone), key=lambda each: each.error)
+    begun = sorted((each for each in looked if each.error < NEARER_AT_SLIPS * alone), key=lambda each: each.error)
     return [replace(each.work, slips=each.slips) for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error][
         :MOST
     ]
