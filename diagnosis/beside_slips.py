@@ -100,7 +100,11 @@ def beside_slips(
     # Where all breakaways lie on the line as it is, only slips tell; a law that is not the best alone has none there.
     if line is None or (line.is_explained and not is_best_alone(makers[0], alone)):
         return try_all(on_top, holdout, pool, progress, WHAT)
-    bent = bent_lines(base.fit, line, [effect_of_key(each.effects[0]) for each in alone[1:]], pool, progress)
+    effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
+    if line.is_explained:
+        # What is seen elsewhere would bend it.
+        effects = [each for each in effects if each.hides_in_base]
+    bent = bent_lines(base.fit, line, effects, pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
     # A line that one effect bends shows stairs, if it is not the law alone that does.

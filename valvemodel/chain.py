@@ -34,6 +34,9 @@ CHATTER = 64
 MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
 
+MOST_STEPS_OF_A_SEARCH, STEPS_PER_SECOND_OF_A_SEARCH = 60, 2e3
+"""The same at a search's tolerance: numbers that make a stem chatter a thousand times in a hold are none of a valve."""
+
 JUMP_SHARE = 0.04
 """Share of its errors that is left to a stem that jumps off a ramp: they shift the instant, and the jump is as fast."""
 
@@ -134,10 +137,12 @@ def move_by_events(p, state, memory, time, used, duration, tolerance):
 
     What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
     """
-    in_a_row, pause, steps = 0, SHORTEST_STEP, 0
+    in_a_row, pause, steps, most = 0, SHORTEST_STEP, 0, MOST_STEPS + STEPS_PER_SECOND * duration
+    if is_coarse(tolerance):
+        most = MOST_STEPS_OF_A_SEARCH + STEPS_PER_SECOND_OF_A_SEARCH * duration
     while used < duration and tolerance <= COARSEST:
         steps += 1
-        if steps > MOST_STEPS + STEPS_PER_SECOND * duration:
+        if steps > most:
             tolerance, steps = 10.0 * tolerance, 0
         before, mode_before = state.position, state.mode
         memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
