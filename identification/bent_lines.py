@@ -32,7 +32,7 @@ MUCH_NEARER = 0.3
 
 FOLLOWED, AFRESH, RUNGS = 2, 1, 6
 """Most promising starts of an effect from which a line is laid, some lead where none follows: beside the line without
-it, and beside the valve as it was given; and rungs of a ladder."""
+it, and beside the valve as it was given unless the pressure moves by it; and rungs of a ladder."""
 
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
@@ -88,8 +88,9 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         return None
     followed = RUNGS if has_dead_time(effect) else FOLLOWED
     starts = promised(fit, line, effect, line.point)[:followed]
-    # Where an effect bends the line much, the one without it leads astray.
-    starts += promised(fit, line, effect, as_given(fit, fit.found.point))[:AFRESH]
+    if not effect.acts_in_time:
+        # Where an effect bends the line much, the one without it leads astray.
+        starts += promised(fit, line, effect, as_given(fit, fit.found.point))[:AFRESH]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
     laid = [

@@ -12,6 +12,7 @@ from identification.experiment import simulate_rows
 from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
+from identification.search import Slopes
 from identification.unknowns import GAP, OF_GAP
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
@@ -30,6 +31,9 @@ COARSE, HOPELESS = 20.0, 80.0
 
 COARSE_ROUNDS, COARSE_EVALUATIONS, NEAR_EVALUATIONS = 2, 10, 20
 """Rounds of a search in which what counts as far is told by how far most are, points of each, and of the last one."""
+
+RENEWED = 2
+"""Steps of that search on which its derivatives serve."""
 
 TO_THE_MIDDLE = 0.02
 """Weight of the middle between the pressures that enclose a breakaway: where all is enclosed, it decides."""
@@ -249,10 +253,15 @@ def _laid(
         if last and far > HOPELESS:
             break
         is_near = last or far < COARSE
-        result = least_squares(
+        slopes = Slopes(
             lambda move: residuals(moved(move)[None, :])[0],
+            lambda move, _: slopes_of(residuals, moved(move), columns),
+            RENEWED,
+        )
+        result = least_squares(
+            slopes.residuals,
             move,
-            jac=lambda move: slopes_of(residuals, moved(move), columns),
+            jac=slopes.jacobian,
             bounds=(low, high),
             loss="soft_l1",
             f_scale=FAR if is_near else far,

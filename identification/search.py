@@ -48,27 +48,39 @@ class Found:
 
 
 class Slopes:
-    """Residuals of a problem and their derivative on the way of a search.
+    """Residuals and their derivative on the way of a search.
 
     The derivative is taken by differences, which costs a run for each unknown, at the first of so many points; at the
     others it is what it was, bent to the change of the residuals on the way (Broyden 1965).
+
+    Parameters
+    ----------
+    residuals_at, slopes_at : callable
+        Residuals, shape (r,), at a point, shape (m,), and their derivative there, shape (r, m), from both.
+    renewed : int
+        After how many points the derivative is taken anew.
     """
 
-    def __init__(self, problem: Problem, renewed: int) -> None:
-        self.problem, self.renewed, self.asked = problem, renewed, 0
+    def __init__(
+        self,
+        residuals_at: Callable[[np.ndarray], np.ndarray],
+        slopes_at: Callable[[np.ndarray, np.ndarray], np.ndarray],
+        renewed: int,
+    ) -> None:
+        self.residuals_at, self.slopes_at, self.renewed, self.asked = residuals_at, slopes_at, renewed, 0
         self.known: dict[bytes, np.ndarray] = {}
         self.last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def residuals(self, point: np.ndarray) -> np.ndarray:
-        """Return the residuals at a scaled point, shape (r,)."""
-        self.known[point.tobytes()] = residual = self.problem.residuals(point[None, :])[0]
+        """Return the residuals at a point, shape (r,)."""
+        self.known[point.tobytes()] = residual = self.residuals_at(point)
         return residual
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
-        """Return the derivative of the residuals at a scaled point where they were asked for, shape (r, unknowns)."""
+        """Return the derivative of the residuals at a point where they were asked for, shape (r, m)."""
         residual = self.known[point.tobytes()]
         if self.last is None or self.asked % self.renewed == 0:
-            slopes = self.problem.jacobian(point, residual)
+            slopes = self.slopes_at(point, residual)
         else:
             before, residual_before, slopes = self.last
             move = point - before
@@ -100,7 +112,11 @@ def descend(
 
     low, high = problem.bounds
     inside = np.clip(start, low + 1e-9, high - 1e-9)
-    slopes = Slopes(problem, max(renewed, RENEWED_SERIES) if problem.has_series else renewed)
+    slopes = Slopes(
+        lambda point: problem.residuals(point[None, :])[0],
+        problem.jacobian,
+        max(renewed, RENEWED_SERIES) if problem.has_series else renewed,
+    )
     result = least_squares(
         slopes.residuals,
         inside,

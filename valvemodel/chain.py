@@ -34,8 +34,11 @@ CHATTER = 64
 MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
 
+OF_A_SEARCH = 5e-6
+"""Tolerance from which a run serves a search among many. [m]"""
+
 MOST_STEPS_OF_A_SEARCH, STEPS_PER_SECOND_OF_A_SEARCH = 60, 2e3
-"""The same at a search's tolerance: numbers that make a stem chatter a thousand times in a hold are none of a valve."""
+"""Steps there: numbers that make a stem chatter a thousand times in a hold are none of a valve."""
 
 JUMP_SHARE = 0.04
 """Share of its errors that is left to a stem that jumps off a ramp: they shift the instant, and the jump is as fast."""
@@ -138,7 +141,7 @@ def move_by_events(p, state, memory, time, used, duration, tolerance):
     What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
     """
     in_a_row, pause, steps, most = 0, SHORTEST_STEP, 0, MOST_STEPS + STEPS_PER_SECOND * duration
-    if is_coarse(tolerance):
+    if tolerance >= OF_A_SEARCH:
         most = MOST_STEPS_OF_A_SEARCH + STEPS_PER_SECOND_OF_A_SEARCH * duration
     while used < duration and tolerance <= COARSEST:
         steps += 1

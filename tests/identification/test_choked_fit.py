@@ -49,7 +49,8 @@ def test_pressures_at_rest_leave_out_what_acts_in_time(fitted):
 
 def test_derivatives_of_a_search_are_renewed_or_bent_to_what_was_seen(fitted):
     _, base, _ = fitted
-    slopes = Slopes(base.problem, renewed=2)
+    problem = base.problem
+    slopes = Slopes(lambda point: problem.residuals(point[None, :])[0], problem.jacobian, renewed=2)
     points = [base.found.point + share for share in (0.02, 0.015, 0.01)]
     seen = []
     for point in points:
