@@ -23,7 +23,7 @@ from diagnosis.standing import (
 )
 from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all, try_in_turn
 from identification.fit import Fit
-from identification.hints import is_periodic
+from identification.hints import begins_at_periods
 from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT
 from valvemodel.declarations import Effect
@@ -96,7 +96,7 @@ def try_by_promise(
     what was tried before leaves nothing to explain.
     """
     # Waves promise something of whatever is left: they come last, for themselves.
-    plain = [key for key in keys if not any(map(is_periodic, effect_of_key(key).parameters))]
+    plain = [key for key in keys if not begins_at_periods(effect_of_key(key))]
     gains = promises(base.fit, {key: {} for key in plain}, pool)
     order = sorted(keys, key=lambda key: -gains.get(key, -math.inf))
     work = [Work(base.fit, (key,), False) for key in order]

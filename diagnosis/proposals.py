@@ -23,6 +23,7 @@ from diagnosis.standing import (
 )
 from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
+from identification.hints import begins_at_periods
 from valvemodel.effects import are_aliases, effect_of_key
 
 LEADERS = 2
@@ -64,7 +65,10 @@ def extensions(
     no numbers to fit is laid on top of all others: a fit beside it follows none but the readings at its steps' edges.
     """
     # A pair with one wave says nothing of one with many.
-    known = {(frozenset(each.effects), each.has_series) for each in tried}
+    known: dict[tuple[frozenset[str], bool], float] = {}
+    for each in tried:
+        tried_as = (frozenset(each.effects), each.has_series)
+        known[tried_as] = min(known.get(tried_as, math.inf), misfit(each))
     better = [each for each in best_of(tried, 1) if misfit(each) < misfit(tried[0])]
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
@@ -89,9 +93,11 @@ def extensions(
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
             cause = (frozenset(effects), leader.has_series)
-            if cause in known:
+            # What is read off the residual of another fit may have begun amiss.
+            is_open = begins_at_periods(effect_of_key(key)) and known.get(cause, math.inf) > NO_GAIN * misfit(leader)
+            if cause in known and not is_open:
                 continue
-            known.add(cause)
+            known[cause] = 0.0
             is_global = key in stopping and effect_of_key(key).is_jagged and not effect_of_key(key).is_chaotic
             if is_laid_on_top(leader):
                 # On top of the few unknowns of the other, not of the many of a series, or of none.

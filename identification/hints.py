@@ -100,6 +100,11 @@ def is_periodic(parameter: Parameter) -> bool:
     return "residual_period" in parameter.starts
 
 
+def begins_at_periods(effect: Effect) -> bool:
+    """Return whether a search for an effect begins at periods that are read off what a fit leaves over."""
+    return any(is_periodic(each) for each in effect.parameters)
+
+
 def nearby(periods: list[float], duration: float) -> list[float]:
     """Return periods up to a wave beside some, and of the lowest waves of a record, the longest first. [s]"""
     beside = np.arange(-1.0, 1.0 + QUARTER_WAVE, QUARTER_WAVE)

@@ -10,7 +10,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit
-from identification.hints import is_periodic, starts_of
+from identification.hints import begins_at_periods, starts_of
 from identification.problem import Problem
 from identification.screening import answered, change_of, joined, residual_positions, resized, waves
 from valvemodel.declarations import Effect
@@ -84,7 +84,7 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     residual, basis, _ = fit.own_slopes
     left = residual - basis @ (basis.T @ residual)
     starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
-    if any(is_periodic(each) for each in effect.parameters):
+    if begins_at_periods(effect):
         starts = waves(fit, effect, starts, left, basis)
     known = len(fit.found.point)
     tried = [(resized(effect, start, size), np.zeros(known)) for start in starts for size in (1.0, SMALLER)]

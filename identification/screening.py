@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identification.fit import Fit
-from identification.hints import is_periodic, nearby, starts_of
+from identification.hints import begins_at_periods, is_periodic, nearby, starts_of
 from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
 from identification.search import errors, roam_over
@@ -54,7 +54,7 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     residual, basis, triangle = fit.own_slopes
     left = residual - basis @ (basis.T @ residual)
     starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
-    if any(is_periodic(each) for each in effect.parameters):
+    if begins_at_periods(effect):
         starts += waves(fit, effect, starts, left, basis)
         if fit.found.error > LITTLE_LEFT * fit.problem.noise_error and not fit.problem.has_series:
             starts.append(waves_together(fit, effect, starts[0], left, basis))

@@ -125,6 +125,24 @@ def test_two_that_explain_together_end_the_search_unless_one_may_stand_in(monkey
 
 
 @pytest.mark.parametrize(
+    ("pair", "is_tried"),
+    [
+        (candidate(30.0, "spring_hardening", "load_force"), True),
+        (candidate(3.0, "spring_hardening", "load_force"), False),
+        (candidate(30.0, "spring_hardening", "coil_lag"), False),
+    ],
+)
+def test_what_is_read_off_a_residual_is_tried_on_top_of_the_fit_that_leaves_it(monkeypatch, pair, is_tried):
+    """Its periods beside another fit, as that of the base, are none where that leaves much else."""
+    key = pair.effects[1]
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(proposals, "shortlist", lambda *_: [key])
+    leader = candidate(20.0, "spring_hardening")
+    work = extensions([leader], [candidate(90.0), leader, candidate(80.0, key), pair], {key: {"size": 1.0}}, 6, None)
+    assert [each.effects for each in work] == ([pair.effects] if is_tried else [])
+
+
+@pytest.mark.parametrize(
     ("alone", "is_asked"),
     [
         (candidate(1.02, "coil_lag"), False),
