@@ -59,8 +59,8 @@ NEARER = 0.12
 
 MOST_IMITATED = 6.0
 """The most that several effects lose so against the noise, one of which hides in the base valve: beside it another
-effect imitates what is none of the two, but seldom to the noise. Of twelve blind valves of our own that were given such
-a pair the seven right ones came within 1.1 of it in square, the five that imitated what was left out did not."""
+effect imitates what is none of the two, but seldom to the noise. Of eleven blind valves of our own that were given such
+a pair the six right ones came within 1.1 of it in square, the five that imitated what was left out did not."""
 
 MORE_NUMBERS = 2
 """Free numbers that another cause may have more for it to be the nearer one by itself and not by them."""
