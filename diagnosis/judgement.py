@@ -54,8 +54,9 @@ BEHIND, MOST_BEHIND = 0.01, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
 the gap to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
 
-NEARER = 0.12
-"""The same for one effect more, beyond what another form may leave: two effects below notice leave as much."""
+NEARER, FORM_AT_NOISE = 0.12, 0.2
+"""The same for one effect more, beyond what another form may leave: two effects below notice leave as much; and the
+share of that form that is allowed beside one more that comes to the noise: a wrong one seldom makes up for it so."""
 
 MOST_IMITATED = 6.0
 """The most that several effects lose so against the noise, one of which hides in the base valve: beside it another
@@ -227,7 +228,11 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     candidates : sequence of Candidate
     """
     lost = np.zeros(len(candidates))
-    beyond = NEARER + FORM * max(misfit(candidates[0]) - 1.0, 0.0)
+
+    def beyond(other: Candidate) -> float:
+        share = FORM_AT_NOISE if misfit(other) < AT_NOISE and not makes_slips(other) else 1.0
+        return NEARER + share * FORM * max(misfit(candidates[0]) - 1.0, 0.0)
+
     for number, each in enumerate(candidates):
         others = [candidates[end] for end in ends]
         peers = [
@@ -236,7 +241,7 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [misfit(other) + beyond for other in others if len(other.effects) == len(each.effects) + 1]
+        peers += [misfit(other) + beyond(other) for other in others if len(other.effects) == len(each.effects) + 1]
         lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
