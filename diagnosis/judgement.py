@@ -227,14 +227,13 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
         Numbers of the causes that explain the gap, and of which each effect is felt.
     candidates : sequence of Candidate
     """
-    lost = np.zeros(len(candidates))
+    lost, others = np.zeros(len(candidates)), [candidates[end] for end in ends]
 
     def beyond(other: Candidate) -> float:
         share = FORM_AT_NOISE if misfit(other) < AT_NOISE and not makes_slips(other) else 1.0
         return NEARER + share * FORM * max(misfit(candidates[0]) - 1.0, 0.0)
 
     for number, each in enumerate(candidates):
-        others = [candidates[end] for end in ends]
         peers = [
             misfit(other) + BEHIND * max(other.freedom - each.freedom, 0)
             for other in others

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.breakaway import FAR, Line, breakaways_of, line_through, slopes_of
+from identification.breakaway import Line, breakaways_of, counted, line_through, slopes_of
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
@@ -87,10 +87,11 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
         return None
     followed = RUNGS if has_dead_time(effect) else FOLLOWED
-    starts = promised(fit, line, effect, line.point)[:followed]
+    values = list(starts_to_bend(fit, effect))
+    starts = promised(fit, line, effect, values, line.point)[:followed]
     if not effect.acts_in_time:
         # Where an effect bends the line much, the one without it leads astray.
-        starts += promised(fit, line, effect, as_given(fit, fit.found.point))[:AFRESH]
+        starts += promised(fit, line, effect, values, as_given(fit, fit.found.point))[:AFRESH]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
     laid = [
@@ -101,7 +102,9 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None
 
 
-def promised(fit: Fit, line: Line, effect: Effect, origin: np.ndarray) -> list[tuple[Problem, np.ndarray, float]]:
+def promised(
+    fit: Fit, line: Line, effect: Effect, starts: Sequence[dict[str, float]], origin: np.ndarray
+) -> list[tuple[Problem, np.ndarray, float]]:
     """Return the starts of an effect with the line's best answer by slopes, and the squared error left, least first.
 
     Parameters
@@ -110,12 +113,14 @@ def promised(fit: Fit, line: Line, effect: Effect, origin: np.ndarray) -> list[t
     line : Line
         Through its breakaways.
     effect : Effect
+    starts : sequence of dict
+        Of its parameters. [SI]
     origin : array, shape (unknowns,)
         Scaled point of the base valve beside which the starts are.
     """
     known, found = len(origin), []
     slopes = slopes_of(line.breakaways.centred, origin, line.columns)
-    for start in starts_to_bend(fit, effect):
+    for start in starts:
         problem, point = joined(fit.problem, origin, effect, start)
         there = replace(line.breakaways, problem=problem)
         off = there.centred(point[None, :])[0]
@@ -123,7 +128,7 @@ def promised(fit: Fit, line: Line, effect: Effect, origin: np.ndarray) -> list[t
         point[:known][line.columns] += np.clip(answer, -ANSWER, ANSWER)
         point = np.clip(point, *problem.bounds)
         off = there.centred(point[None, :])[0]
-        found.append((problem, point, float(np.sum(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0)))))
+        found.append((problem, point, counted(off)))
     return sorted(found, key=lambda each: each[2])
 
 

@@ -248,8 +248,9 @@ def _laid(
 
     low, high = problem.bounds[0][columns], problem.bounds[1][columns]
     move = np.clip(point[columns], low + 1e-9, high - 1e-9)
+    off = residuals(moved(move)[None, :])[0]
     for last in (*[False] * COARSE_ROUNDS, True):
-        far = 2.0 * float(np.median(np.abs(residuals(moved(move)[None, :]))))
+        far = 2.0 * float(np.median(np.abs(off)))
         if last and far > HOPELESS:
             break
         is_near = last or far < COARSE
@@ -269,11 +270,15 @@ def _laid(
             ftol=1e-6 if is_near else 1e-2,
             max_nfev=NEAR_EVALUATIONS if is_near else COARSE_EVALUATIONS,
         )
-        move = result.x
+        move, off = result.x, result.fun
         if is_near:
             break
-    off = residuals(moved(move)[None, :])[0]
-    return moved(move), float(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0).sum())
+    return moved(move), counted(off)
+
+
+def counted(off: np.ndarray) -> float:
+    """Return half the sum of the squares by which breakaways lie off a line, far ones counted less. [spread^2]"""
+    return float(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0).sum())
 
 
 def slopes_of(residuals: Callable[[np.ndarray], np.ndarray], point: np.ndarray, columns: np.ndarray) -> np.ndarray:

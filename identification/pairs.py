@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from identification.fit import Fit
 from identification.hints import begins_at_periods, starts_of
 from identification.problem import Problem
-from identification.screening import answered, change_of, joined, residual_positions, resized, waves
+from identification.screening import answered, beside_own, change_of, joined, residual_positions, resized, waves
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -82,7 +82,7 @@ class Pair:
 def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]:
     """Return what an effect changes of a fit's residuals: at its starts, at a part of them, and as fitted alone."""
     residual, basis, _ = fit.own_slopes
-    left = residual - basis @ (basis.T @ residual)
+    left = beside_own(residual, basis)
     starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
     if begins_at_periods(effect):
         starts = waves(fit, effect, starts, left, basis)
@@ -114,7 +114,7 @@ def promising_pairs(fit: Fit, traces: Sequence[Trace], count: int) -> list[Pair]
     if not traces:
         return []
     residual, basis, _ = fit.own_slopes
-    left = residual - basis @ (basis.T @ residual)
+    left = beside_own(residual, basis)
     changes = np.array([each.change for each in traces], float)
     products, wanted = changes @ changes.T, -(changes @ left)
     squares = np.diag(products)

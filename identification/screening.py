@@ -52,7 +52,7 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     much less error that leaves, or how much of the residual the change of the trajectory explains at any size.
     """
     residual, basis, triangle = fit.own_slopes
-    left = residual - basis @ (basis.T @ residual)
+    left = beside_own(residual, basis)
     starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
     if begins_at_periods(effect):
         starts += waves(fit, effect, starts, left, basis)
@@ -160,8 +160,12 @@ def answered(
 
 def change_of(residual: np.ndarray, left: np.ndarray, basis: np.ndarray) -> np.ndarray:
     """Return how an effect changes the residuals of a fit, beside whatever the fit's own unknowns can do."""
-    change = residual[: len(left)] - left
-    return np.asarray(change - basis @ (basis.T @ change))
+    return beside_own(residual[: len(left)] - left, basis)
+
+
+def beside_own(residual: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """Return what residuals, shape (r,), are beside whatever a fit's own unknowns can do, by its basis of that."""
+    return np.asarray(residual - basis @ (basis.T @ residual))
 
 
 def changes_by(

@@ -5,6 +5,33 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import inlined
+from valvemodel.declarations import Parameter
+
+
+def creep_parameters(name: str) -> tuple[Parameter, Parameter]:
+    """Return the numbers that say how the creep of an effect goes on: its time, and whether it comes to an end."""
+    return (
+        Parameter(
+            f"{name}_time",
+            "s",
+            "T: time constant of the warming, or time from which on the creep slows down",
+            2.0,
+            3000.0,
+            300.0,
+            (300.0, 40.0),
+            "log",
+        ),
+        Parameter(
+            f"{name}_creep",
+            "1",
+            "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
+            0.0,
+            1.0,
+            0.0,
+            (0.0, 1.0),
+            is_fitted=False,
+        ),
+    )
 
 
 @inlined

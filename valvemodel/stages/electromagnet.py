@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
-from valvemodel.stages.creep import crept
+from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.lag import remember_lag
 from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays
 
@@ -122,26 +122,7 @@ EFFECTS = (
         source="thermal expansion of the flapper mount, first order; logarithmic creep: Phillips, Phil. Mag. 9 (1905)",
         parameters=(
             Parameter("gap_drift_rate", "m/s", "rate at the start", -1e-5, 1e-5, 0.0, (3e-8, -3e-8)),
-            Parameter(
-                "gap_drift_time",
-                "s",
-                "T: time constant of the warming, or time from which on the creep slows down",
-                2.0,
-                3000.0,
-                300.0,
-                (300.0, 40.0),
-                "log",
-            ),
-            Parameter(
-                "gap_drift_creep",
-                "1",
-                "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
-                0.0,
-                1.0,
-                0.0,
-                (0.0, 1.0),
-                is_fitted=False,
-            ),
+            *creep_parameters("gap_drift"),
         ),
         aliases=("sensor_drift", "load_force", "friction_drift", "supply_droop"),
         acts_in_time=True,

@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages.bow import bow
-from valvemodel.stages.creep import crept
+from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.linkage import drag_linkage, part_dragged, rest_linkage
 from valvemodel.stages.transmitter import follow_linkage, has_lag, lagged_reading, settle_reading
 
@@ -80,26 +80,7 @@ EFFECTS = (
         source="a transmitter that warms up, first order; logarithmic creep: Phillips, Phil. Mag. 9 (1905)",
         parameters=(
             Parameter("sensor_drift_rate", "m/s", "creep of the zero at the start", -3e-3, 3e-3, 0.0, (1e-5, -1e-5)),
-            Parameter(
-                "sensor_drift_time",
-                "s",
-                "T: time constant of the warming, or time from which on the creep slows down",
-                2.0,
-                3000.0,
-                300.0,
-                (300.0, 40.0),
-                "log",
-            ),
-            Parameter(
-                "sensor_drift_creep",
-                "1",
-                "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
-                0.0,
-                1.0,
-                0.0,
-                (0.0, 1.0),
-                is_fitted=False,
-            ),
+            *creep_parameters("sensor_drift"),
         ),
         aliases=("gap_drift", "load_force"),
         acts_in_time=True,
