@@ -49,11 +49,12 @@ class IndependentChain:
         return current - (1.0 - self.saturation_slope) * (lost(current) - lost(0.0))
 
     def loop_rate(self, loop, change):
-        """dz of Coleman and Hodgdon by a change of the saturated current."""
+        """dz of Bouc and Wen, of exponent 1, by a change of the saturated current."""
         if self.hysteresis_half_width == 0.0:
             return 0.0
-        side = np.sign(change)
-        return (1.0 - loop * side) * change / (2.0 * self.hysteresis_half_width * (1.0 + self.hysteresis_roundness))
+        gamma = self.bouc_wen_gamma
+        reach = 2.0 * self.hysteresis_half_width * (1.0 - gamma) * (1.0 + self.hysteresis_roundness)
+        return (1.0 - abs(loop) * ((1.0 - gamma) * np.sign(loop * change) + gamma)) * change / reach
 
     def gap(self, flux, loop, time):
         """Eq. (31) with drift."""
@@ -309,9 +310,11 @@ class IndependentChain:
         before = (self.supply_pressure - x[SAG]) * self.held_share
         if self.coil_time_constant == 0.0 and self.hysteresis_half_width > 0.0:
             change = self.saturated(current) - self.saturated(x[FLUX])
-            side = np.sign(change)
-            reach = 2.0 * self.hysteresis_half_width * (1.0 + self.hysteresis_roundness)
-            x[LOOP] = side + (x[LOOP] - side) * math.exp(-abs(change) / reach) if change else x[LOOP]
+            way = solve_ivp(
+                lambda _, z: [self.loop_rate(z[0], change)], (0.0, 1.0), [x[LOOP]], "DOP853",
+                rtol=self.precision, atol=self.precision, max_step=0.02,
+            )  # fmt: skip
+            x[LOOP] = way.y[0, -1]
         if self.coil_time_constant == 0.0:
             x[FLUX] = current
             share = self.share(self.gap(current, x[LOOP], self.now))

@@ -37,6 +37,16 @@ def test_run_is_within_its_tolerance(keys):
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 
 
+def test_bouc_and_wen_behind_a_coil_that_lags_is_within_its_tolerance():
+    law = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "bouc_wen_gamma": 0.4}
+    model = with_effects(base_model(), "coil_lag").with_effect("magnetic_hysteresis", **law)
+    time, current = ramps_and_steps(seconds=3.0, seed=1)
+    row = model.rows()[0]
+    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    for tolerance, bound in BOUNDS.items():
+        assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
+
+
 def test_progressive_spring_is_within_its_tolerance():
     model = base_model().with_effect("spring_hardening", spring_hardening=2.0, spring_progression=1.0)
     time, current = ramps_and_steps(seconds=3.0, seed=1)

@@ -32,10 +32,15 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint, pade_order: int)
 
 
 def hysteresis_slope(numbers: Mapping[str, float], point: OperatingPoint) -> float:
-    """Return the slope of the loop: dz/di = (1 - z side) / (2 h (1 + roundness)), plays twice that while none moves."""
+    """Return the slope of the loop from its middle: dz/di = 1 / (2 h (1 - gamma) (1 + roundness)), of plays 1 / (h ...).
+
+    No play moves there.
+    """
     if numbers["hysteresis_half_width"] == 0.0 or point.side != 0.0:
         return 1.0
-    return 1.0 - 0.5 * (1.0 + numbers["return_point_memory"]) / (1.0 + numbers["hysteresis_roundness"])
+    curve, plays = 0.5 / (1.0 - numbers["bouc_wen_gamma"]), 1.0
+    behind = curve + numbers["return_point_memory"] * (plays - curve)
+    return 1.0 - behind / (1.0 + numbers["hysteresis_roundness"])
 
 
 def delay(name: str, dead_time: float, order: int, source: str, target: str) -> ct.StateSpace:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, expm1, log1p, sqrt
+from math import exp, expm1, log, log1p, sqrt
 from types import SimpleNamespace
 
 PLAYS = 8
@@ -43,14 +43,24 @@ class Electromagnet:
         return self.held + (self.flux - self.held) * exp(-duration / self.numbers.coil_time_constant)
 
     def loop_after(self, magnetising: float) -> float:
-        """Return where in its loop the core is, -1..1: dz = (1 - z sign(di)) di / (2 h (1 + rho))."""
+        """Return where in its loop the core is, -1..1.
+
+        dz = (1 - |z| ((1 - gamma) sign(z di) + gamma)) di / (2 h (1 - gamma) (1 + rho)): where z and di are opposed a
+        straight line in dz and z, up to z = 0; beyond it another one.
+        """
         n = self.numbers
         change = magnetising - self.magnetised
         if n.hysteresis_half_width == 0.0 or change == 0.0:
             return self.loop
         side = 1.0 if change > 0.0 else -1.0
-        reach = 2.0 * n.hysteresis_half_width * (1.0 + n.hysteresis_roundness)
-        return side + (self.loop - side) * exp(-abs(change) / reach)
+        way = abs(change) / (2.0 * n.hysteresis_half_width * (1.0 - n.bouc_wen_gamma) * (1.0 + n.hysteresis_roundness))
+        place, slope = side * self.loop, 1.0 - 2.0 * n.bouc_wen_gamma
+        if place < 0.0:
+            to_middle = -place if slope == 0.0 else log(1.0 - slope * place) / slope
+            if way < to_middle:
+                return side * (place + way if slope == 0.0 else (1.0 - (1.0 - slope * place) * exp(-slope * way)) / slope)
+            place, way = 0.0, way - to_middle
+        return side * (1.0 - (1.0 - place) * exp(-way))
 
     def plays_after(self, magnetising: float) -> list[float]:
         """Return where the plays are: each is dragged along at its half-width from the magnetising current. [A]"""

@@ -20,6 +20,8 @@ LEAST_CURRENT = 1e-9
 CORNER = 1e-2
 """The loop's corner is rounded by this share of the smoothing share: a wider one would forget slow changes."""
 
+STRAIGHT = 1e-6
+"""Least steepness of the curve behind the middle of the loop, for its quotients."""
 
 PLAY_STATES = tuple(f"play_{index}" for index in range(PLAYS))
 
@@ -72,11 +74,17 @@ def lost_above_knee(p: Any, above: Expression) -> Expression:
 
 def magnetise(p: Any, x: Any, current: Expression) -> Expression:
     """Follow the hysteresis loop to a current and return the current that the flux stands for. [A]"""
-    reach = 2.0 * ca.fmax(p.hysteresis_half_width, LEAST_CURRENT) * (1.0 + p.hysteresis_roundness)
-    change = (current - x.hysteresis_input) / reach
+    width = ca.fmax(p.hysteresis_half_width, LEAST_CURRENT)
+    change = (current - x.hysteresis_input) / (2.0 * width * (1.0 - p.bouc_wen_gamma) * (1.0 + p.hysteresis_roundness))
     corner = CORNER * p.smoothing_share
-    left = ca.exp(-magnitude(change, corner))
-    x.hysteresis = x.hysteresis * left + ca.tanh(change / corner) * (1.0 - left)
+    way, side = magnitude(change, corner), ca.tanh(change / corner)
+    place, steepness = side * x.hysteresis, 1.0 - 2.0 * p.bouc_wen_gamma
+    steepness = ca.if_else(ca.fabs(steepness) < STRAIGHT, STRAIGHT, steepness)
+    back = ca.fmin(way, ca.log1p(steepness * ca.fmax(-place, 0.0)) / steepness)
+    behind = ca.fmin(place, 0.0) * ca.exp(-steepness * back) - ca.expm1(-steepness * back) / steepness
+    before = ca.fmax(place, 0.0)
+    # Across the side's rounded corner the place stays what it was.
+    x.hysteresis += side * (behind + before - place - (1.0 - before) * ca.expm1(back - way))
     x.hysteresis_input = current
     behind = p.hysteresis_half_width * x.hysteresis
     if p.remembers:

@@ -9,7 +9,10 @@ from valvemodel.declarations import Effect, Parameter
 from valvemodel.equations import numeric
 from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.lag import remember_lag
-from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays
+from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays, used_up
+
+STRAIGHT = 1e-9
+"""Steepness of the curve behind the middle of the loop below which it is a straight line there."""
 
 EFFECTS = (
     Effect(
@@ -18,15 +21,17 @@ EFFECTS = (
         title="magnetic hysteresis",
         meaning=(
             "the flux lags the current by a rate-independent loop of nearly constant width in current; small loops "
-            "within it drift along (Dahl) or close where they began (plays)"
+            "within it drift along (Bouc and Wen, Dahl) or close where they began (plays)"
         ),
         equation=(
-            r"i_e = i - h z,\quad dz = (1 - z\,\mathrm{sign}(di))\,di / (2 h (1 + \rho))"
+            r"i_e = i - h z,\quad dz = (1 - |z|\,((1 - \gamma)\,\mathrm{sign}(z\,di) + \gamma))\,"
+            r"di / (2 h (1 - \gamma) (1 + \rho))"
             r"\quad\text{or}\quad z = \overline{i - i_r}/(h (1 + \rho)),\ |i - i_r| \le r"
         ),
         source=(
-            "Coleman and Hodgdon, J. Appl. Phys. 63 (1988), the same curve as Dahl (1968); plays i_r of exponentially "
-            "spread half-widths r: Prandtl (1928), Ishlinskii (1944); Visintin, Models of Hysteresis (1994)"
+            "Bouc (1967), Wen, J. Eng. Mech. Div. ASCE 102 (1976), exponent 1; with gamma = 0 Coleman and Hodgdon, J. "
+            "Appl. Phys. 63 (1988), the same curve as Dahl (1968); plays i_r of exponentially spread half-widths r: "
+            "Prandtl (1928), Ishlinskii (1944); Visintin, Models of Hysteresis (1994)"
         ),
         parameters=(
             Parameter(
@@ -48,9 +53,19 @@ EFFECTS = (
                 (0.5,),
             ),
             Parameter(
+                "bouc_wen_gamma",
+                "1",
+                "gamma / (beta + gamma) of the curve: 0 for Dahl's, steepest after a reversal; 0.5: straight there",
+                0.0,
+                0.8,
+                0.5,
+                (0.25,),
+                typical=0.0,
+            ),
+            Parameter(
                 "return_point_memory",
                 "1",
-                "0: Dahl's curve, which forgets where it turned; 1: plays, whose minor loops close",
+                "0: Bouc and Wen's curve, which forgets where it turned; 1: plays, whose minor loops close",
                 0.0,
                 1.0,
                 0.0,
@@ -167,11 +182,35 @@ def advance_flux(p, state, current):
 
 
 @inlined
+def reach_of_loop(p):
+    """Return the change of the current over which the curve forgets: none is flatter than flat after a reversal. [A]"""
+    return 2.0 * p.hysteresis_half_width * (1.0 - p.bouc_wen_gamma) * (1.0 + p.hysteresis_roundness)
+
+
+@compiled
 def hysteresis_after(p, state, change):
-    """Return the place on Dahl's curve after a change of the current one way, exact."""
+    """Return the place on Bouc and Wen's curve after a change of the current one way, exact."""
     side = 1.0 if change > 0.0 else -1.0
-    reach = 2.0 * p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
-    return side + (state.hysteresis - side) * math.exp(-abs(change) / reach)
+    way, place = abs(change) / reach_of_loop(p), side * state.hysteresis
+    if p.bouc_wen_gamma == 0.0:
+        return side * (1.0 + (place - 1.0) * math.exp(-way))
+    steepness = 1.0 - 2.0 * p.bouc_wen_gamma
+    back = min(way, way_to_middle(steepness, place))
+    behind = min(place, 0.0) * math.exp(-steepness * back) + way_passed(steepness, back)
+    return side * (behind + 1.0 + (max(place, 0.0) - 1.0) * math.exp(back - way))
+
+
+@inlined
+def way_to_middle(steepness, place):
+    """Return how far the current goes until a place behind the loop's middle is there, in reaches; 0 beyond it."""
+    missing = max(-place, 0.0)
+    return missing if abs(steepness) < STRAIGHT else math.log1p(steepness * missing) / steepness
+
+
+@inlined
+def way_passed(steepness, way):
+    """Return (1 - exp(-s x)) / s of a way x and a steepness s."""
+    return way if abs(steepness) < STRAIGHT else -math.expm1(-steepness * way) / steepness
 
 
 @compiled
@@ -194,9 +233,23 @@ def lay_currents(p, state, memory, current, spacing, count):
         effective -= p.hysteresis_half_width * memory.end_hysteresis
         memory.currents[node] = effective
     memory.end_flux = flux
-    if p.hysteresis_half_width > 0.0 and p.return_point_memory > 0.0:
+    if p.hysteresis_half_width == 0.0:
+        return math.inf
+    if p.return_point_memory > 0.0:
         return lay_plays(p, state, memory, count)
-    return math.inf
+    return middle_of_loop(p, state, memory, count)
+
+
+@compiled
+def middle_of_loop(p, state, memory, count):
+    """Return where along the currents at the nodes the curve passes the middle of the loop, in spacings.
+
+    Bouc and Wen's has a kink there, of its bend.
+    """
+    side = 1.0 if memory.values[count] > memory.values[0] else -1.0
+    if p.bouc_wen_gamma == 0.0 or side * state.hysteresis >= 0.0:
+        return math.inf
+    return used_up(memory, count, reach_of_loop(p) * way_to_middle(1.0 - 2.0 * p.bouc_wen_gamma, side * state.hysteresis))
 
 
 @compiled

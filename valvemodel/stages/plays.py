@@ -61,7 +61,7 @@ def pull_plays(p, state, current):
 
 @compiled
 def lay_plays(p, state, memory, count):
-    """Take the currents at the nodes from Dahl's curve to the plays; return where they have a kink, in spacings."""
+    """Take the currents at the nodes from Bouc and Wen's curve to the plays; return where they have a kink, in spacings."""
     for node in range(count + 1):
         behind = memory.values[node] - memory.currents[node]
         behind_plays = p.hysteresis_half_width * place_among_plays(p, state, memory.values[node])
@@ -78,8 +78,14 @@ def next_taken_up(p, state, memory, count):
         left = scale * RADII[index] - side * (currents[0] - state.plays[index])
         if left > TAKEN_UP:
             room = min(room, left)
-    if room == math.inf:
-        return math.inf
+    return math.inf if room == math.inf else used_up(memory, count, room)
+
+
+@compiled
+def used_up(memory, count, room):
+    """Return where along the currents at the nodes a room for their change is used up, in spacings. [A]"""
+    currents = memory.values
+    side = 1.0 if currents[count] > currents[0] else -1.0
     for node in range(count + 1):
         memory.forces[node] = room + TAKEN_UP - side * (currents[node] - currents[0])
     return first_fall(count, memory.forces, memory.powers)
