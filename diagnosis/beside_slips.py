@@ -17,7 +17,7 @@ from identification.breakaway import Line
 from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.stick_slip import LEAST_STEPS, SlipSearch
+from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -102,8 +102,8 @@ def beside_slips(
         return try_all(on_top, holdout, pool, progress, WHAT)
     effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
     if line.is_explained:
-        # What is seen elsewhere would bend it.
-        effects = [each for each in effects if each.hides_in_base]
+        # What is seen elsewhere would bend it, or shapes the slips.
+        effects = [each for each in effects if each.hides_in_base or each.key in SHAPES_SLIPS]
     bent = bent_lines(base.fit, line, effects, pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)

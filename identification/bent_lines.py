@@ -8,17 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.breakaway import Line, breakaways_of, counted, line_through, slopes_of
+from identification.breakaway import Line, breakaways_of, counted, line_through, roamed, slopes_of
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.screening import SHRUNK, as_given, joined, residual_positions, resized
 from identification.search import Found, errors
-from identification.stick_slip import HIDES_THE_LINE
+from identification.stick_slip import HIDES_THE_LINE, SHAPES_SLIPS
 from valvemodel.declarations import Effect
-
-STRAIGHT = frozenset({"asymmetric_viscous_friction"})
-"""Effects that leave force and reading of a rest as they are."""
 
 DEAD_TIME, LONGEST, APART = "transport_delay", 1.0, 1.1
 """A number that moves breakaways by whole samples alone, so that slopes tell nothing of it: it is tried at a ladder of
@@ -70,7 +67,7 @@ def straight_line(fit: Fit) -> Line | None:
     breakaways = breakaways_of(fit.problem)
     if fit.problem.has_loop or len(breakaways.position) < LEAST_BREAKAWAYS:
         return None
-    return line_through(breakaways, fit.found.point)
+    return roamed(line_through(breakaways, fit.found.point))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -84,7 +81,9 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         Through its breakaways.
     effect : Effect
     """
-    if effect.key in HIDES_THE_LINE | STRAIGHT or effect.is_read_off:
+    if effect.key in SHAPES_SLIPS:
+        return beside_line(fit, line, effect) if line.is_explained else None
+    if effect.key in HIDES_THE_LINE or effect.is_read_off:
         return None
     followed = RUNGS if has_dead_time(effect) else FOLLOWED
     values = list(starts_to_bend(fit, effect))
@@ -99,7 +98,14 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         for problem, point in begun
     ]
     bent = min(laid, key=lambda each: each.line.error)
+    bent = replace(bent, line=roamed(bent.line))
     return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None
+
+
+def beside_line(fit: Fit, line: Line, effect: Effect) -> BentLine:
+    """Return an effect that acts on slips alone with the line as it is; its numbers are searched with the slips'."""
+    problem, point = joined(fit.problem, line.point, effect, effect.typical)
+    return BentLine(effect, problem, replace(line, point=point, breakaways=replace(line.breakaways, problem=problem)))
 
 
 def promised(

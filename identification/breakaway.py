@@ -12,7 +12,7 @@ from identification.experiment import simulate_rows
 from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
-from identification.search import Slopes
+from identification.search import Slopes, roam_over
 from identification.unknowns import GAP, OF_GAP
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
@@ -43,6 +43,13 @@ LINE = ("spring_rate", "coulomb_friction", *GAP)
 
 OFF_THE_LINE = 0.3
 """Squared error of a breakaway from which a line does not explain it. [spread^2]"""
+
+LIES_ON, WORTH_ROAMING = 0.02, 3.0
+"""The same up to which nothing can be gained, and from which no search along its slack brings a line there."""
+
+ALONG, SIZE, GENERATIONS = 2.0, 6, 25
+"""How far a search along a line's slack goes, in its standard deviations; its points for each number, and generations.
+"""
 
 LOST_WAY = 1.0
 """Way to a breakaway that counts where numbers lead to no pressure. [m]"""
@@ -232,6 +239,30 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     return Line(found, columns, breakaways.slack(found, columns), error, breakaways)
 
 
+def roamed(line: Line) -> Line:
+    """Search globally along what a line leaves open for where its breakaways are enclosed best, where that is worth it.
+
+    What lies within its bounds says nothing of the way: a descent ends in a bend of the narrow valley between them.
+    """
+    if not LIES_ON * line.count < line.error < WORTH_ROAMING * line.count:
+        return line
+
+    def points_of(moves: np.ndarray) -> np.ndarray:
+        points = np.repeat(line.point[None, :], len(moves), axis=0)
+        points[:, line.columns] += moves @ line.slack.T
+        return np.clip(points, *line.breakaways.problem.bounds)
+
+    def off_by(moves: np.ndarray) -> np.ndarray:
+        return counted(line.breakaways.enclosed(points_of(moves)))
+
+    box = [(-ALONG, ALONG)] * len(line.columns)
+    moves, error = roam_over(off_by, box, size=SIZE, generations=GENERATIONS, enough=LIES_ON * line.count)
+    if error >= line.error:
+        return line
+    point = points_of(moves[None, :])[0]
+    return Line(point, line.columns, line.breakaways.slack(point, line.columns), error, line.breakaways)
+
+
 def _laid(
     residuals: Callable[[np.ndarray], np.ndarray], problem: Problem, point: np.ndarray, columns: np.ndarray
 ) -> tuple[np.ndarray, float]:
@@ -273,12 +304,21 @@ def _laid(
         move, off = result.x, result.fun
         if is_near:
             break
-    return moved(move), counted(off)
+    return moved(move), float(counted(off))
 
 
-def counted(off: np.ndarray) -> float:
-    """Return half the sum of the squares by which breakaways lie off a line, far ones counted less. [spread^2]"""
-    return float(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0).sum())
+def counted(off: np.ndarray) -> np.ndarray:
+    """Return half the sums of the squares by which breakaways lie off a line, far ones counted less. [spread^2]
+
+    Parameters
+    ----------
+    off : array, shape (..., breakaways) [spread]
+
+    Returns
+    -------
+    array, shape (...)
+    """
+    return np.asarray(FAR**2 * (np.sqrt(1.0 + (off / FAR) ** 2) - 1.0).sum(axis=-1))
 
 
 def slopes_of(residuals: Callable[[np.ndarray], np.ndarray], point: np.ndarray, columns: np.ndarray) -> np.ndarray:

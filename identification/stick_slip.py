@@ -8,13 +8,14 @@ from functools import partial
 
 import numpy as np
 
-from identification.breakaway import Line, breakaways_of, line_through
+from identification.breakaway import Line, breakaways_of, line_through, roamed
 from identification.pressures import told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
 from identification.wide import AT_NOISE
-from valvemodel.declarations import Effect
+from valvemodel.declarations import Effect, Parameter
+from valvemodel.effects import effect_of_key
 
 REACH = 4.0
 """Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
@@ -23,6 +24,9 @@ HIDES_THE_LINE = frozenset(
     {"static_friction", "stribeck", "presliding", "end_stop", "linkage_backlash", "quantisation", "sensor_lag"}
 )
 """Effects beside which a rest's reading, or its end, does not tell what force holds the stem."""
+
+SHAPES_SLIPS = frozenset({"asymmetric_viscous_friction", "sensor_lag"})
+"""Effects that leave force and reading of a rest as they are, but not the course of a slip."""
 
 ADDED_FRICTION = ("friction_area",)
 """Unknowns of friction that comes on top of the Coulomb friction, and is overcome at breakaway by the same ratio."""
@@ -80,7 +84,7 @@ class Slips:
     friction : int
         Unknown that is the Coulomb friction.
     others : list of int
-        Unknowns of the effect beside the ratio, and the viscous friction.
+        Unknowns of the effect beside the ratio, of one that shapes slips, and the viscous friction.
     line : Line
     """
 
@@ -132,7 +136,7 @@ def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     breakaways = breakaways_of(problem)
     if len(breakaways.position) == 0 or breakaways.on_the_way(point) < LEAST_STEPS:
         return None
-    return line_through(breakaways, point)
+    return roamed(line_through(breakaways, point))
 
 
 @dataclass(frozen=True)
@@ -191,10 +195,14 @@ def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray
     names, ratio, others = [unknown.name for unknown in problem.unknowns], slips.ratio, slips.others
     excesses = np.log(problem.unknowns[ratio].value(starts[:, ratio]) - 1.0)
     widths = [(excesses.min() - BEYOND, excesses.max() + BEYOND)]
+    shaping = shaping_of(problem)
     for number in others[:-1]:
-        more = BEYOND if problem.unknowns[number].is_logarithmic else 0.0
-        neutral = problem.unknowns[number].scaled(effect.parameter(names[number]).neutral)
-        low, high = starts[:, number].min(), starts[:, number].max()
+        unknown = problem.unknowns[number]
+        parameter = shaping.get(number) or effect.parameter(names[number])
+        values = [unknown.scaled(float(each)) for each in parameter.starts] if number in shaping else starts[:, number]
+        low, high = min(values), max(values)
+        neutral = unknown.scaled(parameter.neutral)
+        more = BEYOND if unknown.is_logarithmic else 0.0
         widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
     widths.append((-DAMPING, DAMPING))
     centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
@@ -211,12 +219,19 @@ def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> 
     names = [unknown.name for unknown in problem.unknowns]
     added = [names.index(parameter.name) for parameter in effect.fitted]
     ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
-    others = [*(number for number in added if number != ratio), names.index("viscous_friction")]
+    of_law = (number for number in added if number != ratio)
+    others = [*of_law, *shaping_of(problem), names.index("viscous_friction")]
     centre = start.copy()
     centre[[number for number, name in enumerate(names) if name in problem.model.values]] = 0.0
     known = [*line.columns, *told_by_pressure(problem)]
     centre[known] = line.point[known]
     return Slips(problem, ratio, friction, others, line), centre
+
+
+def shaping_of(problem: Problem) -> dict[int, Parameter]:
+    """Return the parameters of effects that shape slips, by their number among a problem's unknowns."""
+    shaping = {each.name: each for key in SHAPES_SLIPS & set(problem.model.effects) for each in effect_of_key(key).fitted}
+    return {n: shaping[each.name] for n, each in enumerate(problem.unknowns) if each.name in shaping}
 
 
 def searched(
@@ -262,7 +277,7 @@ def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Se
     line : Line
         With the other effect.
     forms : sequence of Problem
-        With the other effect and each form of the law; that of `begun` counts.
+        With the other effect and each form of the law; that of `begun` counts, and no other that shapes slips.
     """
     known = begun.slips.problem
     values = dict(zip((unknown.name for unknown in known.unknowns), begun.found.point, strict=True))
@@ -271,6 +286,8 @@ def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Se
     for problem in alike:
         start = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
         slips, centre = laid_on(effect, line, problem, start)
+        if len(slips.others) != len(begun.slips.others):
+            continue
         centre[slips.others] = start[slips.others]
         slips.hold(centre, start[slips.ratio])
         found.append(searched_near(begun, slips, centre))
