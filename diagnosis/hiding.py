@@ -15,7 +15,7 @@ from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
 HIDES = 1.1
-"""Factor within which the squared error of a cause must stay for an effect to hide beside it."""
+"""Factor within which the squared error of a cause, or the noise, must stay for an effect to hide beside it."""
 
 MOST_SAID = 2
 """Effects that are said to hide beside a cause."""
@@ -99,7 +99,7 @@ def said(hidden: Sequence[Candidate], best: Candidate) -> list[str]:
 
 def is_hidden(found: Candidate, best: Candidate) -> bool:
     """Return whether a cause explains as well as the one that it adds an effect to, and the effect is a strong one."""
-    return misfit(found) < HIDES * misfit(best) and found.trace >= FELT
+    return misfit(found) < HIDES * max(misfit(best), 1.0) and found.trace >= FELT
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:
