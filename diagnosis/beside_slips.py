@@ -167,7 +167,8 @@ def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None,
     line = straight_line(base)
     if line is None or line.is_explained or line.breakaways.on_the_way(line.point) < LEAST_STEPS:
         return False
-    laid = lines_with(base, line, effects, pool, progress)
+    # The lines that cost least come first: one is enough.
+    laid = lines_with(base, line, sorted(effects, key=lambda each: each.acts_in_time), pool, progress)
     return any(each is not None and each.line.is_explained for each in laid)
 
 

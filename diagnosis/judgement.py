@@ -54,9 +54,10 @@ BEHIND, MOST_BEHIND = 0.01, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
 the gap to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
 
-NEARER, FORM_AT_NOISE = 0.12, 0.2
-"""The same for one effect more, beyond what another form may leave: two effects below notice leave as much; and the
-share of that form that is allowed beside one more that comes to the noise: a wrong one seldom makes up for it so."""
+NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.2, 0.35
+"""The same for one effect more, beyond what another form may leave: two effects below notice leave as much; the share
+of that form that is allowed beside one more that comes to the noise, or takes in most of it; and what it leaves then: a
+wrong one seldom makes up for another's form so. Of single blind effects that left more than the notice none did."""
 
 MOST_IMITATED = 6.0
 """The most that several effects lose so against the noise, one of which hides in the base valve: beside it another
@@ -229,8 +230,9 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """
     lost, others = np.zeros(len(candidates)), [candidates[end] for end in ends]
 
-    def beyond(other: Candidate) -> float:
-        share = FORM_AT_NOISE if misfit(other) < AT_NOISE and not makes_slips(other) else 1.0
+    def beyond(each: Candidate, other: Candidate) -> float:
+        takes_most = misfit(other) < max(AT_NOISE, 1.0 + MOST_LEFT * (misfit(each) - 1.0))
+        share = FORM_BESIDE if takes_most and not makes_slips(other) else 1.0
         return NEARER + share * FORM * max(misfit(candidates[0]) - 1.0, 0.0)
 
     for number, each in enumerate(candidates):
@@ -240,7 +242,7 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [misfit(other) + beyond(other) for other in others if len(other.effects) == len(each.effects) + 1]
+        peers += [misfit(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1]
         lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.breakaway import Line, breakaways_of, counted, line_through, roamed, slopes_of
+from identification.breakaway import LIES_ON, Line, breakaways_of, counted, line_through, roamed, slopes_of
 from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
@@ -93,10 +93,11 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         starts += promised(fit, line, effect, values, as_given(fit, fit.found.point))[:AFRESH]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
-    laid = [
-        BentLine(effect, problem, line_through(replace(line.breakaways, problem=problem), point))
-        for problem, point in begun
-    ]
+    laid: list[BentLine] = []
+    for problem, point in begun:
+        laid.append(BentLine(effect, problem, line_through(replace(line.breakaways, problem=problem), point)))
+        if laid[-1].line.error < LIES_ON * line.count:
+            break
     bent = min(laid, key=lambda each: each.line.error)
     bent = replace(bent, line=roamed(bent.line))
     return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None

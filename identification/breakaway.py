@@ -44,8 +44,8 @@ LINE = ("spring_rate", "coulomb_friction", *GAP)
 OFF_THE_LINE = 0.3
 """Squared error of a breakaway from which a line does not explain it. [spread^2]"""
 
-LIES_ON, WORTH_ROAMING = 0.02, 3.0
-"""The same up to which nothing can be gained, and from which no search along its slack brings a line there."""
+LIES_ON, WORTH_ROAMING = 0.15, 3.0
+"""The same at which a search along a line's slack ends, and from which none brings it there."""
 
 ALONG, SIZE, GENERATIONS = 2.0, 6, 25
 """How far a search along a line's slack goes, in its standard deviations; its points for each number, and generations.
@@ -56,6 +56,9 @@ LOST_WAY = 1.0
 
 WIDEST_SLACK = 1.0
 """Change of the unknowns, scaled, beyond which what the line leaves open is not searched."""
+
+HELD_FAST = 1e9
+"""Coulomb friction of a stem that never moves. [N]"""
 
 BEHIND_PRESSURE = ("stem", "sensor")
 """Stages that do not act on the pressure."""
@@ -103,12 +106,13 @@ class Breakaways:
     def pressures(self, points: np.ndarray) -> np.ndarray:
         """Return the pressures before and at the end of the period of each breakaway, shape (2, p, breakaways). [Pa]
 
-        They are those of a stem without effects: the way that a filling actuator takes changes them little.
+        They do not depend on the stem, which is held so that no time goes into its motion.
         """
         found = []
         _, which, places = np.unique(points[:, self.acting], axis=0, return_index=True, return_inverse=True)
         for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
             rows = self.problem.rows_without(lambda effect: effect.stage in BEHIND_PRESSURE, points[which], number)
+            rows["coulomb_friction"] = HELD_FAST
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)
             found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
@@ -244,7 +248,7 @@ def roamed(line: Line) -> Line:
 
     What lies within its bounds says nothing of the way: a descent ends in a bend of the narrow valley between them.
     """
-    if not LIES_ON * line.count < line.error < WORTH_ROAMING * line.count:
+    if line.is_explained or line.error > WORTH_ROAMING * line.count:
         return line
 
     def points_of(moves: np.ndarray) -> np.ndarray:
