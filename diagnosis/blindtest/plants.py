@@ -7,7 +7,7 @@ makes the bundled demo record again, and beside it `OUT-b.csv`, a second record 
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +101,7 @@ def draw_plant(
     plain = draw_base(np.random.default_rng(valve_seed))
     scale = scale_of(plain, seed)
     truths = [_draw_effect(seed, key, plain, scale, noise, visibility) for key in effects]
+    truths = [_within_reach(truth, truths, scale) if truth.effect == "end_stop" else truth for truth in truths]
     if nuisance:
         others = [
             _draw_effect(seed, key, plain, scale, noise, BELOW_NOTICE, nuisance=True)
@@ -120,6 +121,16 @@ def _check_names(effects: Sequence[str]) -> None:
         raise ValueError(f"no effect is named {', '.join(unknown)}; there are {', '.join(EFFECTS)}")
     if len(set(effects)) < len(effects):
         raise ValueError(f"an effect is named twice in {', '.join(effects)}; name each once")
+
+
+def _within_reach(stop: Truth, truths: Sequence[Truth], scale: Scale) -> Truth:
+    """A stop as short of the travel that the other effects leave as it was of the base valve's."""
+    others = tuple(truth for truth in truths if truth is not stop and truth.stage != "sensor")
+    if not others:
+        return stop
+    extreme = np.max if stop.parameters["side"] > 0 else np.min
+    moved = float(extreme(scale.trace_with(others)) - extreme(scale.trace))
+    return replace(stop, parameters={**stop.parameters, "reference_travel": stop.parameters["reference_travel"] + moved})
 
 
 def _nuisance_keys(seed: int, effects: Sequence[str]) -> list[str]:

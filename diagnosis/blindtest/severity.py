@@ -36,6 +36,10 @@ class Scale:
     trace: Signal
     directions: Signal
 
+    def trace_with(self, effects: tuple[Truth, ...]) -> Signal:
+        """The reading of the base valve with effects, without noise. [m]"""
+        return _trace(self.base, self.time, self.current, effects)
+
     def visibilities(self, truth: Truth, base: Mapping[str, float] | None = None) -> tuple[float, float]:
         """Rms change of the reading by an effect, whole and beyond a refit to first order. [m]"""
         change = _trace(base or self.base, self.time, self.current, (truth,)) - self.trace

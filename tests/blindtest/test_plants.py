@@ -56,6 +56,15 @@ def test_pairs_and_nuisances_are_told_apart():
     assert plant.described()["effects"][0]["effect"] == "end_stop"
 
 
+@pytest.mark.parametrize("other", ["spring_hardening", "air_leak"])
+def test_a_stop_is_met_beside_an_effect_that_shortens_the_travel(other):
+    plant = draw_plant(30, ("end_stop", other))
+    stop, beside = plant.effects
+    profile = draw_profile(4, duration=60.0)
+    free, stopped = (integrate(plant.base, *profile, effects=each)["position"] for each in ((beside,), plant.effects))
+    assert np.sqrt(np.mean((stopped - free) ** 2)) > plant.noise
+
+
 def test_base_does_not_depend_on_the_effects():
     assert draw_plant(8, ("coil_lag",)).base == draw_plant(8, ("sensor_lag", "end_stop")).base
 

@@ -15,7 +15,7 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
 from identification.bent_lines import bent_line, straight_line
-from identification.breakaway import breakaways_of, line_through
+from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
 from identification.fit import fit_base
@@ -75,8 +75,38 @@ def test_the_effect_that_bends_the_line_is_the_plant_s(drifting):
 def test_effects_that_leave_rests_as_they_are_bend_no_line(drifting):
     _, _, base = drifting
     line = straight_line(base)
+    assert not line.is_explained
     for key in ("static_friction", "presliding", "sensor_lag", "asymmetric_viscous_friction"):
         assert bent_line(base, line, effect_of_key(key)) is None
+
+
+@pytest.mark.parametrize("seed", [9413, 9417, 9422])
+def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(given, seed):
+    plant, holdout, base = plant_and_base(given, seed, "asymmetric_viscous_friction", "static_friction")
+    line, law = straight_line(base), effect_of_key("static_friction")
+    shaped = bent_line(base, line, effect_of_key("asymmetric_viscous_friction"))
+    assert shaped.line.error == line.error
+    beside, alone = slips_by(shaped.fit, law, line=shaped.line), slips_by(base, law, line=line)
+    assert beside[0].found.error < 0.5 * alone[0].found.error
+    found = extend(shaped.fit, "static_friction", slips=beside)
+    assert score_fit(found, holdout).misfit < 1.3
+    excess, direction = (plant.effects[0].parameters[name] for name in ("excess", "direction"))
+    if plant.effects[0].formulation == "one_sided":
+        asymmetry = found.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"]
+        assert asymmetry == pytest.approx(direction * excess / (2.0 + excess), abs=0.1)
+
+
+def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(given):
+    _, _, base = plant_and_base(given, 9201, "stribeck")
+    line = straight_line(base)
+    moved = line.point.copy()
+    moved[line.columns] += 3.0 * line.slack @ np.ones(len(line.columns))
+    astray = replace(line, point=moved, error=float(counted(line.breakaways.enclosed(moved[None, :]))[0]))
+    assert not astray.is_explained
+    assert roamed(astray).error < 0.5 * astray.error
+    assert roamed(line) is line
+    hopeless = replace(astray, error=4.0 * line.count)
+    assert roamed(hopeless) is hopeless
 
 
 @pytest.mark.parametrize(("seed", "law"), [(9402, "stribeck"), (9407, "stribeck"), (9403, "static_friction")])

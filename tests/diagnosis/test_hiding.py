@@ -145,8 +145,8 @@ def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeyp
     assert judged.lost[2] == pytest.approx(lost)
 
 
-@pytest.mark.parametrize(("left", "lost"), [(1.0, 4.0), (1.2, 0.0)])
-def test_one_effect_that_leaves_much_loses_to_two_at_the_noise_beside_any_gap(monkeypatch, left, lost):
+@pytest.mark.parametrize(("left", "lost"), [(1.0, 4.0), (2.0, 4.0), (2.2, 0.0)])
+def test_one_effect_that_leaves_much_loses_to_two_that_take_in_most_of_it_beside_any_gap(monkeypatch, left, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     single, pair = candidate(4.0, "coil_lag"), candidate(left, "coil_lag", "gap_drift")
     assert judge([candidate(1500.0), single, pair]).lost[1] == pytest.approx(lost)
