@@ -135,7 +135,7 @@ def promised(
         point[:known][line.columns] += np.clip(answer, -ANSWER, ANSWER)
         point = np.clip(point, *problem.bounds)
         off = there.centred(point[None, :])[0]
-        found.append((problem, point, counted(off)))
+        found.append((problem, point, float(counted(off))))
     return sorted(found, key=lambda each: each[2])
 
 
