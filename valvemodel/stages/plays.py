@@ -61,7 +61,7 @@ def pull_plays(p, state, current):
 
 @compiled
 def lay_plays(p, state, memory, count):
-    """Take the currents at the nodes from Bouc and Wen's curve to the plays; return where they have a kink, in spacings."""
+    """Take the currents at the nodes from Bouc and Wen's curve to the plays; return where is a kink, in spacings."""
     for node in range(count + 1):
         behind = memory.values[node] - memory.currents[node]
         behind_plays = p.hysteresis_half_width * place_among_plays(p, state, memory.values[node])
