@@ -242,7 +242,9 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [misfit(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1]
+        peers += [
+            misfit(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1
+        ]
         lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1

@@ -230,7 +230,9 @@ def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> 
 
 def shaping_of(problem: Problem) -> dict[int, Parameter]:
     """Return the parameters of effects that shape slips, by their number among a problem's unknowns."""
-    shaping = {each.name: each for key in SHAPES_SLIPS & set(problem.model.effects) for each in effect_of_key(key).fitted}
+    shaping = {
+        each.name: each for key in SHAPES_SLIPS & set(problem.model.effects) for each in effect_of_key(key).fitted
+    }
     return {n: shaping[each.name] for n, each in enumerate(problem.unknowns) if each.name in shaping}
 
 

@@ -130,7 +130,9 @@ def _within_reach(stop: Truth, truths: Sequence[Truth], scale: Scale) -> Truth:
         return stop
     extreme = np.max if stop.parameters["side"] > 0 else np.min
     moved = float(extreme(scale.trace_with(others)) - extreme(scale.trace))
-    return replace(stop, parameters={**stop.parameters, "reference_travel": stop.parameters["reference_travel"] + moved})
+    return replace(
+        stop, parameters={**stop.parameters, "reference_travel": stop.parameters["reference_travel"] + moved}
+    )
 
 
 def _nuisance_keys(seed: int, effects: Sequence[str]) -> list[str]:

@@ -58,7 +58,8 @@ class Electromagnet:
         if place < 0.0:
             to_middle = -place if slope == 0.0 else log(1.0 - slope * place) / slope
             if way < to_middle:
-                return side * (place + way if slope == 0.0 else (1.0 - (1.0 - slope * place) * exp(-slope * way)) / slope)
+                place = place + way if slope == 0.0 else (1.0 - (1.0 - slope * place) * exp(-slope * way)) / slope
+                return side * place
             place, way = 0.0, way - to_middle
         return side * (1.0 - (1.0 - place) * exp(-way))
 

@@ -249,7 +249,8 @@ def middle_of_loop(p, state, memory, count):
     side = 1.0 if memory.values[count] > memory.values[0] else -1.0
     if p.bouc_wen_gamma == 0.0 or side * state.hysteresis >= 0.0:
         return math.inf
-    return used_up(memory, count, reach_of_loop(p) * way_to_middle(1.0 - 2.0 * p.bouc_wen_gamma, side * state.hysteresis))
+    way = way_to_middle(1.0 - 2.0 * p.bouc_wen_gamma, side * state.hysteresis)
+    return used_up(memory, count, reach_of_loop(p) * way)
 
 
 @compiled
