@@ -32,9 +32,9 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint, pade_order: int)
 
 
 def hysteresis_slope(numbers: Mapping[str, float], point: OperatingPoint) -> float:
-    """Return the slope of the loop from its middle: dz/di = 1 / (2 h (1 - gamma) (1 + roundness)), of plays 1 / (h ...).
+    """Return the slope from the middle of the loop, where no play moves.
 
-    No play moves there.
+    dz/di is 1 / (2 h (1 - gamma) (1 + roundness)), of plays 1 / (h (1 + roundness)).
     """
     if numbers["hysteresis_half_width"] == 0.0 or point.side != 0.0:
         return 1.0
