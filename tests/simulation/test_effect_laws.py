@@ -158,7 +158,7 @@ def test_the_curve_after_a_reversal(gamma):
 
 @pytest.mark.parametrize("gamma", [0.4, 0.5])
 def test_the_curve_is_that_of_bouc_and_wen(gamma):
-    """Integrated by Euler's rule in small steps: off by two thousandths of the loop, by half as much in half the steps."""
+    """Integrated by Euler's rule in small steps: off by two thousandths of the loop, half as much in half the steps."""
     _, current = draw_profile(1, duration=60.0, rate=50.0, kind="small")
     half_width, reach = 4e-4, 1.6e-3
     roundness = reach / (2.0 * half_width * (1.0 - gamma)) - 1.0
