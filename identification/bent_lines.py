@@ -31,6 +31,9 @@ FOLLOWED, AFRESH, RUNGS = 2, 1, 6
 """Most promising starts of an effect from which a line is laid, some lead where none follows: beside the line without
 it, and beside the valve as it was given unless the pressure moves by it; and rungs of a ladder."""
 
+LATE = (1, 2, 4)
+"""Samples that a reading that lags is tried to be late by."""
+
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
 
@@ -82,7 +85,8 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     effect : Effect
     """
     if effect.key in SHAPES_SLIPS:
-        return beside_line(fit, line, effect) if line.is_explained else None
+        as_read = line if line.is_explained or effect.stage != "sensor" else read_late(fit, line)
+        return beside_line(fit, as_read, effect) if as_read.is_explained else None
     if effect.key in HIDES_THE_LINE or effect.is_read_off:
         return None
     followed = RUNGS if has_dead_time(effect) else FOLLOWED
@@ -101,6 +105,15 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
     bent = min(laid, key=lambda each: each.line.error)
     bent = replace(bent, line=roamed(bent.line))
     return bent if bent.line.is_explained or bent.line.error < MUCH_NEARER * line.error else None
+
+
+def read_late(fit: Fit, line: Line) -> Line:
+    """Return the line of a reading that may show each breakaway some samples late, as few as explain them."""
+    for late in LATE:
+        line = roamed(line_through(replace(line.breakaways, late=late), fit.found.point))
+        if line.is_explained:
+            break
+    return line
 
 
 def beside_line(fit: Fit, line: Line, effect: Effect) -> BentLine:

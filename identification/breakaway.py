@@ -74,10 +74,13 @@ class Breakaways:
         One list for each experiment.
     problem : Problem
         Gives the pressures: those of the base valve and of what acts before the stem.
+    late : int
+        Samples by which a reading that lags may show a breakaway late.
     """
 
     problem: Problem
     rests: Sequence[Sequence[Rest]]
+    late: int = 0
 
     @cached_property
     def position(self) -> np.ndarray:
@@ -115,7 +118,7 @@ class Breakaways:
             rows["coulomb_friction"] = HELD_FAST
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)
-            found.append(np.stack([run.pressure[:, last], run.pressure[:, last + 1]]))
+            found.append(np.stack([run.pressure[:, np.maximum(last - self.late, 0)], run.pressure[:, last + 1]]))
         return np.concatenate(found, axis=2)[:, places.reshape(-1)]
 
     @cached_property

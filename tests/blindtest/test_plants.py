@@ -59,7 +59,7 @@ def test_pairs_and_nuisances_are_told_apart():
 @pytest.mark.parametrize("other", ["spring_hardening", "air_leak"])
 def test_a_stop_is_met_beside_an_effect_that_shortens_the_travel(other):
     plant = draw_plant(30, ("end_stop", other))
-    stop, beside = plant.effects
+    _, beside = plant.effects
     profile = draw_profile(4, duration=60.0)
     free, stopped = (integrate(plant.base, *profile, effects=each)["position"] for each in ((beside,), plant.effects))
     assert np.sqrt(np.mean((stopped - free) ** 2)) > plant.noise
