@@ -276,7 +276,7 @@ def roam_over(
             raise StopIteration
 
     generator = np.random.default_rng(effort.get("seed", 0))
-    points = effort["size"] * len(box)
+    points = 1 << (effort["size"] * len(box) - 1).bit_length()
     result = differential_evolution(
         lambda u: errors_of(np.atleast_2d(u.T)),
         box,
