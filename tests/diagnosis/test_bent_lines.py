@@ -96,6 +96,17 @@ def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(given, see
         assert asymmetry == pytest.approx(direction * excess / (2.0 + excess), abs=0.1)
 
 
+def test_a_reading_that_lags_shows_breakaways_late(given):
+    _, _, base = plant_and_base(given, 9437, "sensor_lag", "stribeck")
+    line, law = straight_line(base), effect_of_key("stribeck")
+    assert not line.is_explained
+    read = bent_line(base, line, effect_of_key("sensor_lag"))
+    assert read.line.is_explained
+    assert read.line.breakaways.late > 0
+    assert slips_by(read.fit, law, line=read.line)
+    assert not slips_by(base, law, line=line)
+
+
 def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(given):
     _, _, base = plant_and_base(given, 9201, "stribeck")
     line = straight_line(base)
