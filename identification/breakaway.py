@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -151,7 +151,7 @@ class Breakaways:
 
     def is_ramped(self, point: np.ndarray) -> np.ndarray:
         """Return of which breakaways the force is known well, the pressure changing little within a period."""
-        before, after = self.pressures(point[None, :])[:, 0]
+        before, after = replace(self, late=0).pressures(point[None, :])[:, 0]
         span = max(float(np.ptp(np.concatenate([before, after]))), 1e-9)
         return np.abs(after - before) < RAMPED * span
 
@@ -241,7 +241,7 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     def all_of(points: np.ndarray) -> np.ndarray:
         return np.concatenate([breakaways.enclosed(points), TO_THE_MIDDLE * middles(points)], axis=1)
 
-    begun, _ = _laid(middles, breakaways.problem, point, columns)
+    begun = _laid(middles, breakaways.problem, point, columns)[0] if is_ramped.any() else point
     found, error = _laid(all_of, breakaways.problem, begun, columns)
     return Line(found, columns, breakaways.slack(found, columns), error, breakaways)
 

@@ -103,8 +103,20 @@ def test_a_reading_that_lags_shows_breakaways_late(given):
     read = bent_line(base, line, effect_of_key("sensor_lag"))
     assert read.line.is_explained
     assert read.line.breakaways.late > 0
+    assert (replace(line.breakaways, late=50).is_ramped(line.point) == line.breakaways.is_ramped(line.point)).all()
     assert slips_by(read.fit, law, line=read.line)
     assert not slips_by(base, law, line=line)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_line_is_laid_where_no_breakaway_is_on_a_ramp(given):
+    _, _, base = plant_and_base(given, 9201, "stribeck")
+    every, point = breakaways_of(base.problem), base.found.point
+    pairs = zip(every.rests[0], every.is_ramped(point), strict=True)
+    steps = replace(every, rests=[[rest for rest, is_ramped in pairs if not is_ramped]])
+    assert 0 < len(steps.position) < len(every.position)
+    line = line_through(steps, point)
+    assert line.error <= float(counted(steps.enclosed(point[None, :]))[0])
 
 
 def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(given):
