@@ -24,7 +24,8 @@ class Parameter:
     first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
     fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
-    numbers: a fit moves it only where it begins off neutral, and no table shows it.
+    numbers: a fit moves it only where it begins off neutral, and no table shows it. `absent` is what a file means that
+    does not name it, for a number that came later than its effect.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Parameter:
     typical: float | None = None
     prior_spread: float = 1.0
     is_higher: bool = False
+    absent: float | None = None
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name

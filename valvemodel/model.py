@@ -181,22 +181,31 @@ def _table(path: Path, name: str, table: Any) -> dict[str, Any]:
 
 
 def _numbers(path: Path, owner: str, parameters: Sequence[Parameter], table: dict[str, Any]) -> dict[str, float]:
-    """Return the numbers of the valve or of an effect; only those that are infinite when neutral may be left out."""
+    """Return the numbers of the valve or of an effect.
+
+    Only those may be left out that are infinite when neutral, or came later than their effect.
+    """
     declared = {parameter.name: parameter for parameter in parameters}
     for name in table:
         if name not in declared:
             raise unknown_name(f"a parameter of {owner}", name, declared)
-    missing = [name for name in declared if name not in table and math.isfinite(declared[name].neutral)]
+    absent = {name: _absent(parameter) for name, parameter in declared.items() if name not in table}
+    missing = [name for name, value in absent.items() if value is None]
     if missing:
         raise InputError(
             f"a model file has every number of {owner}",
             f"{path} lacks {', '.join(missing)}",
             "add it with its unit, or write the file anew",
         )
-    return {
-        name: _number(path, parameter, table[name]) if name in table else parameter.neutral
-        for name, parameter in declared.items()
-    }
+    present = {name: _number(path, declared[name], entry) for name, entry in table.items()}
+    numbers = present | {name: value for name, value in absent.items() if value is not None}
+    return {name: numbers[name] for name in declared}
+
+
+def _absent(parameter: Parameter) -> float | None:
+    """Return what a file means that leaves a number out; None where it must not."""
+    is_left_out = parameter.is_higher or math.isinf(parameter.neutral)
+    return parameter.neutral if is_left_out else parameter.absent
 
 
 def _number(path: Path, parameter: Parameter, entry: Any) -> float:

@@ -157,3 +157,24 @@ def test_module_runs_as_the_program_does(short_record, tmp_path):
     assert done.returncode == 0, done.stderr
     assert done.stdout == ""
     assert "1500 rows" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("key", "later"),
+    [
+        ("magnetic_hysteresis", "bouc_wen_gamma"),
+        ("linkage_nonlinearity", "linkage_arm"),
+        ("static_friction", "stick_speed"),
+    ],
+)
+def test_a_file_from_before_a_number_was_known_means_what_it_meant(command, short_record, tmp_path, key, later):
+    content = calibrated().with_effect(key).as_json()
+    for name in ("whole", "older"):
+        (tmp_path / f"{name}.json").write_text(json.dumps(content))
+        result = command(
+            "simulate", "--model", tmp_path / f"{name}.json", "--input", short_record, "--out", f"{name}.csv"
+        )
+        assert result.exit_code == 0, result.output
+        content["effects"][key].pop(later, None)
+    assert later not in (tmp_path / "older.json").read_text()
+    assert (tmp_path / "older.csv").read_text() == (tmp_path / "whole.csv").read_text()

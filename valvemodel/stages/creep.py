@@ -30,6 +30,7 @@ def creep_parameters(name: str) -> tuple[Parameter, Parameter]:
             0.0,
             (0.0, 1.0),
             is_fitted=False,
+            absent=0.0,
         ),
     )
 

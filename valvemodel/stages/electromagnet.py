@@ -61,6 +61,7 @@ EFFECTS = (
                 0.5,
                 (0.25,),
                 typical=0.0,
+                absent=0.0,
             ),
             Parameter(
                 "return_point_memory",
@@ -71,6 +72,7 @@ EFFECTS = (
                 0.0,
                 (0.0, 1.0),
                 is_fitted=False,
+                absent=0.0,
             ),
         ),
         aliases=(
@@ -108,7 +110,14 @@ EFFECTS = (
             Parameter("saturation_knee", "A", "current at the knee", 4e-3, 20e-3, 14e-3, (12e-3, 16e-3)),
             Parameter("saturation_rounding", "A", "width of the knee", 1e-4, 6e-3, 1e-3, (1e-3,)),
             Parameter(
-                "saturation_reach", "A", "way above the knee over which the gain falls", 0.0, 0.5, 0.0, (0.0, 50e-3)
+                "saturation_reach",
+                "A",
+                "way above the knee over which the gain falls",
+                0.0,
+                0.5,
+                0.0,
+                (0.0, 50e-3),
+                absent=0.0,
             ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation", "asymmetric_friction"),

@@ -42,6 +42,7 @@ EFFECTS = (
                 STOP_SPEED,
                 (1.5e-3, 5e-3),
                 typical=STOP_SPEED,
+                absent=STOP_SPEED,
             ),
         ),
         is_jagged=True,
@@ -86,6 +87,7 @@ EFFECTS = (
                 1.0,
                 (1.0, 2.0),
                 is_fitted=False,
+                absent=1.0,
             ),
         ),
         is_jagged=True,
@@ -166,6 +168,7 @@ EFFECTS = (
                 8.0,
                 2.0,
                 (2.0,),
+                absent=2.0,
             ),
         ),
         is_jagged=True,
@@ -181,7 +184,15 @@ EFFECTS = (
         parameters=(
             Parameter("friction_area", "m^2", "S_p: friction per pressure", -0.01, 0.05, 0.0, (2e-3, -2e-3)),
             Parameter(
-                "friction_pressure_order", "1", "n: power of the pressure", 1.0, 2.0, 1.0, (1.0, 2.0), is_fitted=False
+                "friction_pressure_order",
+                "1",
+                "n: power of the pressure",
+                1.0,
+                2.0,
+                1.0,
+                (1.0, 2.0),
+                is_fitted=False,
+                absent=1.0,
             ),
         ),
         aliases=("spring_hardening", "magnetic_hysteresis", "linkage_nonlinearity", "area_variation"),
@@ -217,6 +228,7 @@ EFFECTS = (
                 0.0,
                 (100.0,),
                 typical=0.0,
+                absent=0.0,
             ),
             Parameter(
                 "bristle_exponent",
@@ -226,6 +238,7 @@ EFFECTS = (
                 3.0,
                 1.0,
                 (1.0,),
+                absent=1.0,
             ),
             Parameter(
                 "slider_share",
@@ -235,6 +248,7 @@ EFFECTS = (
                 1.0,
                 0.0,
                 (0.0, 1.0),
+                absent=0.0,
             ),
         ),
         takes_long=True,
@@ -258,7 +272,16 @@ EFFECTS = (
                 0.0,
                 (3.0, -2.0),
             ),
-            Parameter("spring_progression", "1/m", "g: share of stiffening over travel", -1.5, 6.0, 0.0, (0.0,)),
+            Parameter(
+                "spring_progression",
+                "1/m",
+                "g: share of stiffening over travel",
+                -1.5,
+                6.0,
+                0.0,
+                (0.0,),
+                absent=0.0,
+            ),
         ),
         aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation", "magnetic_hysteresis"),
         told_apart_by=(
@@ -275,7 +298,16 @@ EFFECTS = (
         source="rolling diaphragm; ISA handbook of control valves",
         parameters=(
             Parameter("area_slope", "1/m", "a: share of area over travel", -3.0, 3.0, 0.0, (-0.5, 0.5)),
-            Parameter("area_curvature", "1/m^2", "b: share of area over travel squared", -10.0, 10.0, 0.0, (0.0,)),
+            Parameter(
+                "area_curvature",
+                "1/m^2",
+                "b: share of area over travel squared",
+                -10.0,
+                10.0,
+                0.0,
+                (0.0,),
+                absent=0.0,
+            ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "magnetic_saturation", "magnetic_hysteresis"),
         told_apart_by="the force at a blocked stem at two positions",
@@ -324,6 +356,7 @@ EFFECTS = (
                 1.0,
                 (1.0,),
                 is_fitted=False,
+                absent=1.0,
             ),
             *(
                 Parameter(name, "N", f"{letter}_n, n = {number}", -5000.0, 5000.0, 0.0, (0.0,), is_higher=True)
