@@ -14,7 +14,7 @@ from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, errors, roam_through
 from identification.wide import AT_NOISE
-from valvemodel.declarations import Effect, Parameter
+from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
 REACH = 4.0
@@ -195,13 +195,11 @@ def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray
     names, ratio, others = [unknown.name for unknown in problem.unknowns], slips.ratio, slips.others
     excesses = np.log(problem.unknowns[ratio].value(starts[:, ratio]) - 1.0)
     widths = [(excesses.min() - BEYOND, excesses.max() + BEYOND)]
-    shaping = shaping_of(problem)
+    declared = {each.name: each for key in problem.model.effects for each in effect_of_key(key).fitted}
     for number in others[:-1]:
-        unknown = problem.unknowns[number]
-        parameter = shaping.get(number) or effect.parameter(names[number])
-        values = [unknown.scaled(float(each)) for each in parameter.starts] if number in shaping else starts[:, number]
-        low, high = min(values), max(values)
-        neutral = unknown.scaled(parameter.neutral)
+        unknown, parameter = problem.unknowns[number], declared[names[number]]
+        values = [unknown.scaled(float(each)) for each in parameter.starts]
+        low, high, neutral = min(values), max(values), unknown.scaled(parameter.neutral)
         more = BEYOND if unknown.is_logarithmic else 0.0
         widths.append((low, high + more) if more else (min(low, neutral), max(high, neutral)))
     widths.append((-DAMPING, DAMPING))
@@ -228,12 +226,12 @@ def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> 
     return Slips(problem, ratio, friction, others, line), centre
 
 
-def shaping_of(problem: Problem) -> dict[int, Parameter]:
-    """Return the parameters of effects that shape slips, by their number among a problem's unknowns."""
+def shaping_of(problem: Problem) -> list[int]:
+    """Return the unknowns of a problem that belong to effects which shape slips."""
     shaping = {
-        each.name: each for key in SHAPES_SLIPS & set(problem.model.effects) for each in effect_of_key(key).fitted
+        each.name for key in SHAPES_SLIPS.intersection(problem.model.effects) for each in effect_of_key(key).fitted
     }
-    return {n: shaping[each.name] for n, each in enumerate(problem.unknowns) if each.name in shaping}
+    return [number for number, unknown in enumerate(problem.unknowns) if unknown.name in shaping]
 
 
 def searched(

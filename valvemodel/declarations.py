@@ -24,8 +24,8 @@ class Parameter:
     first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
     fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
-    numbers: a fit moves it only where it begins off neutral, and no table shows it. `absent` is what a file means that
-    does not name it, for a number that came later than its effect.
+    numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
+    came later than its effect: a file that does not name it means its typical value.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Parameter:
     typical: float | None = None
     prior_spread: float = 1.0
     is_higher: bool = False
-    absent: float | None = None
+    is_later: bool = False
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name
@@ -58,6 +58,11 @@ class Parameter:
     def is_size(self) -> bool:
         """Whether an effect grows with it: a fit moves it, and where the effect vanishes it is 0, or a ratio of 1."""
         return self.is_fitted and self.scale == "linear" and self.neutral in (0.0, 1.0)
+
+
+def choice_of_law(name: str, meaning: str, *, first: float = 0.0, second: float = 1.0) -> Parameter:
+    """Return a number that came later than its effect and chooses between two laws of it; no fit moves it."""
+    return Parameter(name, "1", meaning, first, second, first, (first, second), is_fitted=False, is_later=True)
 
 
 @dataclass(frozen=True)

@@ -189,23 +189,26 @@ def _numbers(path: Path, owner: str, parameters: Sequence[Parameter], table: dic
     for name in table:
         if name not in declared:
             raise unknown_name(f"a parameter of {owner}", name, declared)
-    absent = {name: _absent(parameter) for name, parameter in declared.items() if name not in table}
-    missing = [name for name, value in absent.items() if value is None]
+    missing = [name for name, parameter in declared.items() if name not in table and not _may_be_left_out(parameter)]
     if missing:
         raise InputError(
             f"a model file has every number of {owner}",
             f"{path} lacks {', '.join(missing)}",
             "add it with its unit, or write the file anew",
         )
-    present = {name: _number(path, declared[name], entry) for name, entry in table.items()}
-    numbers = present | {name: value for name, value in absent.items() if value is not None}
-    return {name: numbers[name] for name in declared}
+    return {
+        name: _number(path, parameter, table[name]) if name in table else _left_out(parameter)
+        for name, parameter in declared.items()
+    }
 
 
-def _absent(parameter: Parameter) -> float | None:
-    """Return what a file means that leaves a number out; None where it must not."""
-    is_left_out = parameter.is_higher or math.isinf(parameter.neutral)
-    return parameter.neutral if is_left_out else parameter.absent
+def _may_be_left_out(parameter: Parameter) -> bool:
+    return parameter.is_later or parameter.is_higher or math.isinf(parameter.neutral)
+
+
+def _left_out(parameter: Parameter) -> float:
+    """Return what a file means that leaves a number out."""
+    return float(parameter.typical or 0.0) if parameter.is_later else parameter.neutral
 
 
 def _number(path: Path, parameter: Parameter, entry: Any) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import inlined
-from valvemodel.declarations import Parameter
+from valvemodel.declarations import Parameter, choice_of_law
 
 
 def creep_parameters(name: str) -> tuple[Parameter, Parameter]:
@@ -21,16 +21,8 @@ def creep_parameters(name: str) -> tuple[Parameter, Parameter]:
             (300.0, 40.0),
             "log",
         ),
-        Parameter(
-            f"{name}_creep",
-            "1",
-            "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time",
-            0.0,
-            1.0,
-            0.0,
-            (0.0, 1.0),
-            is_fitted=False,
-            absent=0.0,
+        choice_of_law(
+            f"{name}_creep", "0: warming, which comes to an end; 1: creep, which goes on as the logarithm of time"
         ),
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.declarations import Effect, Parameter
+from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.lag import remember_lag
@@ -61,18 +61,11 @@ EFFECTS = (
                 0.5,
                 (0.25,),
                 typical=0.0,
-                absent=0.0,
+                is_later=True,
             ),
-            Parameter(
+            choice_of_law(
                 "return_point_memory",
-                "1",
                 "0: Bouc and Wen's curve, which forgets where it turned; 1: plays, whose minor loops close",
-                0.0,
-                1.0,
-                0.0,
-                (0.0, 1.0),
-                is_fitted=False,
-                absent=0.0,
             ),
         ),
         aliases=(
@@ -117,7 +110,7 @@ EFFECTS = (
                 0.5,
                 0.0,
                 (0.0, 50e-3),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation", "asymmetric_friction"),

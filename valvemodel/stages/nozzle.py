@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.declarations import Effect, Parameter
+from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 
 ATMOSPHERE = 101325.0
@@ -70,16 +70,9 @@ EFFECTS = (
                 0.0,
                 (1e-5, -1e-5),
             ),
-            Parameter(
+            choice_of_law(
                 "orifice_share",
-                "1",
                 "0: the flow is as the pressure difference; 1: as square roots of pressure differences, by orifices",
-                0.0,
-                1.0,
-                0.0,
-                (0.0, 1.0),
-                is_fitted=False,
-                absent=0.0,
             ),
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction", "coil_lag"),
@@ -104,7 +97,7 @@ EFFECTS = (
                 0.0,
                 (0.0, 0.05),
                 typical=0.0,
-                absent=0.0,
+                is_later=True,
             ),
             Parameter(
                 "droop_recovery_time",
@@ -138,7 +131,7 @@ EFFECTS = (
                 2.0,
                 0.0,
                 (0.0, 0.1),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("choked_flow", "none"),
@@ -185,7 +178,7 @@ EFFECTS = (
                 0.0,
                 (0.0, 0.1),
                 typical=0.0,
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("coil_lag", "sensor_lag", "chamber_filling"),

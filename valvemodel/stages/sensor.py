@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.declarations import Effect, Parameter
+from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.stages.bow import bow
 from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.linkage import drag_linkage, part_dragged, rest_linkage
@@ -31,7 +31,7 @@ EFFECTS = (
                 1.0,
                 0.0,
                 (0.0,),
-                absent=0.0,
+                is_later=True,
             ),
             Parameter(
                 "backlash_wear",
@@ -41,7 +41,7 @@ EFFECTS = (
                 1.0,
                 0.0,
                 (0.0, 0.4),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("none", "magnetic_hysteresis"),
@@ -113,7 +113,7 @@ EFFECTS = (
                 3.0,
                 0.0,
                 (0.0, 0.1),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("coil_lag", "chamber_filling", "transport_delay"),
@@ -145,16 +145,9 @@ EFFECTS = (
                 (1e-3, -1e-3),
                 typical=0.0,
             ),
-            Parameter(
+            choice_of_law(
                 "linkage_arm",
-                "1",
                 "0: to third order; 1: a whole arm, turned in a slot where the skew is negative, else by a rod",
-                0.0,
-                1.0,
-                0.0,
-                (0.0, 1.0),
-                is_fitted=False,
-                absent=0.0,
             ),
         ),
         aliases=("spring_hardening", "area_variation", "magnetic_saturation"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.declarations import Effect, Parameter
+from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES, has_load, load, steepest_slope
 from valvemodel.stages.sliders import bend_sliders, has_sliders
@@ -42,7 +42,7 @@ EFFECTS = (
                 STOP_SPEED,
                 (1.5e-3, 5e-3),
                 typical=STOP_SPEED,
-                absent=STOP_SPEED,
+                is_later=True,
             ),
         ),
         is_jagged=True,
@@ -78,17 +78,7 @@ EFFECTS = (
                 (5e-3, 1.5e-3, 1.5e-2, 5e-2),
                 "log",
             ),
-            Parameter(
-                "stribeck_shape",
-                "1",
-                "n: 1 falls exponentially, 2 as a bell",
-                1.0,
-                2.0,
-                1.0,
-                (1.0, 2.0),
-                is_fitted=False,
-                absent=1.0,
-            ),
+            choice_of_law("stribeck_shape", "n: 1 falls exponentially, 2 as a bell", first=1.0, second=2.0),
         ),
         is_jagged=True,
         is_chaotic=True,
@@ -168,7 +158,7 @@ EFFECTS = (
                 8.0,
                 2.0,
                 (2.0,),
-                absent=2.0,
+                is_later=True,
             ),
         ),
         is_jagged=True,
@@ -183,17 +173,7 @@ EFFECTS = (
         source="self-energising lip seals",
         parameters=(
             Parameter("friction_area", "m^2", "S_p: friction per pressure", -0.01, 0.05, 0.0, (2e-3, -2e-3)),
-            Parameter(
-                "friction_pressure_order",
-                "1",
-                "n: power of the pressure",
-                1.0,
-                2.0,
-                1.0,
-                (1.0, 2.0),
-                is_fitted=False,
-                absent=1.0,
-            ),
+            choice_of_law("friction_pressure_order", "n: power of the pressure", first=1.0, second=2.0),
         ),
         aliases=("spring_hardening", "magnetic_hysteresis", "linkage_nonlinearity", "area_variation"),
         told_apart_by="minor loops at low and high pressure",
@@ -228,7 +208,7 @@ EFFECTS = (
                 0.0,
                 (100.0,),
                 typical=0.0,
-                absent=0.0,
+                is_later=True,
             ),
             Parameter(
                 "bristle_exponent",
@@ -238,7 +218,7 @@ EFFECTS = (
                 3.0,
                 1.0,
                 (1.0,),
-                absent=1.0,
+                is_later=True,
             ),
             Parameter(
                 "slider_share",
@@ -248,7 +228,7 @@ EFFECTS = (
                 1.0,
                 0.0,
                 (0.0, 1.0),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         takes_long=True,
@@ -280,7 +260,7 @@ EFFECTS = (
                 6.0,
                 0.0,
                 (0.0,),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("linkage_nonlinearity", "area_variation", "magnetic_saturation", "magnetic_hysteresis"),
@@ -306,7 +286,7 @@ EFFECTS = (
                 10.0,
                 0.0,
                 (0.0,),
-                absent=0.0,
+                is_later=True,
             ),
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "magnetic_saturation", "magnetic_hysteresis"),
@@ -356,7 +336,7 @@ EFFECTS = (
                 1.0,
                 (1.0,),
                 is_fitted=False,
-                absent=1.0,
+                is_later=True,
             ),
             *(
                 Parameter(name, "N", f"{letter}_n, n = {number}", -5000.0, 5000.0, 0.0, (0.0,), is_higher=True)
