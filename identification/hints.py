@@ -37,15 +37,12 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
     residuals : list of arrays [m]
         Measured less simulated position, one for each experiment, NaN where nothing counts.
     """
-    choices = [_choices(parameter, experiments, residuals) for parameter in effect.parameters]
-    names = [parameter.name for parameter in effect.parameters]
-    if effect.is_one_of:
-        for chosen, values in zip(effect.parameters, choices, strict=True):
-            for value in values:
-                yield {each.name: value if each is chosen else each.neutral for each in effect.parameters}
-        return
-    for combination in product(*choices):
-        yield dict(zip(names, combination, strict=True))
+    choices = {each.name: _choices(each, experiments, residuals) for each in effect.parameters}
+    endless = [each.name for each in effect.parameters if effect.is_one_of and math.isinf(each.neutral)]
+    for acting in endless or [""]:
+        idle = {each.name: [each.neutral] for each in effect.parameters if each.name in endless and each.name != acting}
+        for combination in product(*(choices | idle).values()):
+            yield dict(zip(choices, combination, strict=True))
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

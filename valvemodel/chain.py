@@ -16,7 +16,7 @@ from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
-from valvemodel.stages.stem import STUCK, breakaway_ratio, put_stem, rest_stem
+from valvemodel.stages.stem import STUCK, breakaway_ratio, lay_span, put_stem, rest_stem
 from valvemodel.stages.transmitter import settle_reading
 from valvemodel.stages.travel import SHORTEST_STEP
 
@@ -108,6 +108,7 @@ def start_chain(p, state, memory, drive, driven_by, time, tolerance):
     rest_sensor(p, state)
     if p.backlash_start != 0.0:
         state.position -= p.backlash_start * p.backlash_half_width
+    lay_span(p, state, STUCK)
 
 
 @compiled
@@ -122,8 +123,11 @@ def note_event(memory, time, position, speed_before, mode_before, mode_after):
 
 
 @compiled
-def note_events(state, memory, time, step, before, mode_before):
-    """Write down the changes of mode in one step of the stem, which may break away and stop again."""
+def note_events(state, memory, time, step, before, mode_before, highest_before):
+    """Write down the changes of mode in one step of the stem, which may break away and stop again.
+
+    Where it comes to a stop that gives way, or leaves it, the span of its forces changes and its mode does not.
+    """
     moved = state.position - before
     if mode_before == STUCK and (state.mode != STUCK or moved != 0.0):
         side = state.mode if state.mode != STUCK else math.copysign(1.0, moved)
@@ -132,6 +136,8 @@ def note_events(state, memory, time, step, before, mode_before):
     if state.mode != mode_before:
         speed = abs(state.trace_next_velocity)
         note_event(memory, time + step, state.position, speed, mode_before, state.mode)
+    elif state.span_highest != highest_before and state.position in (state.span_lowest, state.span_highest):
+        note_event(memory, time + step, state.position, abs(state.velocity), state.mode, state.mode)
 
 
 @apart(RECORDS, 4)
@@ -147,13 +153,13 @@ def move_by_events(p, state, memory, time, used, duration, tolerance):
         steps += 1
         if steps > most:
             tolerance, steps = 10.0 * tolerance, 0
-        before, mode_before = state.position, state.mode
+        before, mode_before, highest_before = state.position, state.mode, state.span_highest
         memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
         state.trace_next_velocity = state.trace_next_acceleration = 0.0
         step = advance_stem(p, state, memory, time + used, duration - used, tolerance)
         follow_stem(p, state, memory, before, state.position, step)
         if memory.notes_events == 1.0:
-            note_events(state, memory, time + used, step, before, mode_before)
+            note_events(state, memory, time + used, step, before, mode_before, highest_before)
         in_a_row = in_a_row + 1 if step <= SHORTEST_STEP else 0
         if in_a_row == CHATTER:
             # It would go on so for ever: it rests a moment, and then for twice as long.
@@ -264,6 +270,7 @@ def anchor_stem(p, state, reading, time):
     if abs(shift) <= p.anchor_tolerance:
         return
     state.position += shift
+    lay_span(p, state, state.mode)
     shift_linkage(state, shift)
     settle_reading(p, state)
 

@@ -72,11 +72,11 @@ class Effect:
     The effect is absent, to the last bit, while all its parameters are at their neutral values. `is_jagged` says that
     the error of a fit has many minima, so that a search must be global; `is_chaotic` that a free run soon loses the
     phase of its slips, so that a fit must be re-anchored on the measured position; `takes_long` that a run beside
-    another effect may take ten times as long as others. `is_one_of` says that one parameter at a time acts, the others
-    staying neutral; `acts_in_time` that a settled loop cannot show it; `stops_again` that it can show as a stem (for
-    the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any, that is the
-    breakaway force over Coulomb friction. `aliases` are the effects (or `none`) whose trace comes close in current and
-    position; `told_apart_by`, one phrase, is what would tell them apart.
+    another effect may take ten times as long as others. `is_one_of` says that of the parameters that are neutral at
+    infinity one at a time acts; `acts_in_time` that a settled loop cannot show it; `stops_again` that it can show as a
+    stem (for the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any,
+    that is the breakaway force over Coulomb friction. `aliases` are the effects (or `none`) whose trace comes close in
+    current and position; `told_apart_by`, one phrase, is what would tell them apart.
     """
 
     key: str

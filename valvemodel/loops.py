@@ -60,7 +60,8 @@ class LoopShape:
 
 def settles_in_closed_form(model: Model) -> bool:
     """Return whether each step of a settled loop of this model has a closed form."""
-    return set(model.effects) <= SETTLING_EFFECTS and model.values["spring_rate"] > 0.0
+    has_dead_stops = model.numbers.get("stop_compliance", 0.0) == 0.0
+    return has_dead_stops and set(model.effects) <= SETTLING_EFFECTS and model.values["spring_rate"] > 0.0
 
 
 def settle_loop(
@@ -146,7 +147,7 @@ def _checked(model: Model, current: np.ndarray) -> np.ndarray:
         others = sorted(set(model.effects) - SETTLING_EFFECTS)
         raise InputError(
             f"a settled loop has a spring and, in closed form, no effects but {', '.join(sorted(SETTLING_EFFECTS))}",
-            f"the model has {', '.join(others) or 'no spring'}",
+            f"the model has {', '.join(others) or 'a stop that gives way, or no spring'}",
             "hold each current for some seconds in `simulate` instead",
         )
     current = np.ascontiguousarray(current, float)

@@ -56,7 +56,7 @@ STATE = np.dtype(
             "plan_series", "plan_bowed", "plan_plain", "plan_steady", "plan_falling", "plan_share",
             "plan_moving", "plan_current", "plan_delayed", "plan_longest",
             "plan_highest", "plan_lowest", "plan_rising_friction", "plan_falling_friction", "plan_ratio", "plan_drift",
-            "plan_hard_stop",
+            "plan_hard_stop", "span_highest", "span_lowest",
             "quiet_duration", "quiet_side", "quiet_vv", "quiet_vf", "quiet_yv", "quiet_yf",
             "quiet_yy", "quiet_vy", "quiet_friction",
             "known_damping", "known_stiffness", "known_duration", "known_alpha", "known_beta", "known_half_swing",

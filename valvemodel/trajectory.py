@@ -83,7 +83,8 @@ class Events:
     ----------
     time : array [s]
     kind : array of str
-        breakaway (from rest), stop, reversal (without a rest), impact (at an end of the travel).
+        breakaway (from rest), stop, reversal (without a rest), impact (at an end of the travel, or at a stop that
+        gives way), release (the stem leaves such a stop).
     position : array
         Of the stem. [m]
     speed : array
@@ -180,16 +181,22 @@ class Trajectory(Shown, Plotted):
 
     @cached_property
     def events(self) -> Events:
-        """Every breakaway, stop, reversal and impact at its own instant."""
+        """Every breakaway, stop, reversal, impact and release at its own instant."""
         _, _, found = self.setting.trace(self.time, self.current, np.empty(0), EVENT_ROOM)
         numbers = self.setting.model.numbers
-        highest = min(numbers["travel_max"], numbers.get("upper_stop", math.inf))
-        lowest = max(numbers["travel_min"], numbers.get("lower_stop", -math.inf))
+        highest, lowest = numbers["travel_max"], numbers["travel_min"]
+        if numbers.get("stop_compliance", 0.0) == 0.0:
+            highest = min(highest, numbers.get("upper_stop", math.inf))
+            lowest = max(lowest, numbers.get("lower_stop", -math.inf))
         found = _without_instant_rests(found)
         kind = np.where(found["mode_after"] == 0.0, "stop", "reversal")
         at_end = np.where(found["mode_before"] > 0.0, found["position"] >= highest, found["position"] <= lowest)
         kind = np.where(at_end, "impact", kind)
         kind = np.where(found["mode_before"] == 0.0, "breakaway", kind)
+        upper, lower = (numbers.get(name, math.nan) for name in ("upper_stop", "lower_stop"))
+        meets_stop = found["position"] == np.where(found["mode_after"] > 0.0, upper, lower)
+        goes_on = found["mode_after"] == found["mode_before"]
+        kind = np.where(goes_on, np.where(meets_stop, "impact", "release"), kind)
         return Events(found["time"], kind, found["position"], found["speed_before"])
 
     def at(self, instants: np.ndarray | list[float]) -> Trajectory:
@@ -261,11 +268,15 @@ def _without_instant_rests(found: np.ndarray) -> np.ndarray:
 
 
 def stored_energy(numbers: dict[str, float], position: np.ndarray) -> np.ndarray:
-    """Return the energy of the spring, preload and hardening included. [J]"""
+    """Return the energy of the spring, preload and hardening included, and of a stop that gives way. [J]"""
     progression, hardening = numbers.get("spring_progression", 0.0), numbers.get("spring_hardening", 0.0)
     square = position * position
     spring = numbers["spring_rate"] * square * (0.5 + progression * position / 3.0 + 0.25 * hardening * square)
-    return spring + numbers["spring_preload"] * position
+    energy = spring + numbers["spring_preload"] * position
+    if numbers.get("stop_compliance", 0.0) > 0.0:
+        depth = np.maximum(position - numbers["upper_stop"], 0.0) + np.maximum(numbers["lower_stop"] - position, 0.0)
+        energy += 0.5 * depth**2 / numbers["stop_compliance"]
+    return energy
 
 
 def driving_force(numbers: dict[str, float], run: Trajectory, start: float) -> np.ndarray:

@@ -32,8 +32,9 @@ class IndependentChain:
         for name, value in numbers.items():
             setattr(self, name, value)
         self.precision = precision
-        self.highest = min(self.travel_max, self.upper_stop)
-        self.lowest = max(self.travel_min, self.lower_stop)
+        is_dead = self.stop_compliance == 0.0
+        self.highest = min(self.travel_max, self.upper_stop) if is_dead else self.travel_max
+        self.lowest = max(self.travel_min, self.lower_stop) if is_dead else self.travel_min
         self.ratio = max(self.static_friction_ratio, self.stribeck_ratio)
 
     # Electromagnet and nozzle, some of it for complex arguments: their imaginary part carries a derivative.
@@ -142,6 +143,8 @@ class IndependentChain:
         for n in range(2, round(self.load_waves) + 1):
             load += getattr(self, f"load_sine_{n}") * math.sin(n * angle)
             load += getattr(self, f"load_cosine_{n}") * math.cos(n * angle)
+        if self.stop_compliance > 0.0:
+            spring += (y - min(max(y, self.lower_stop), self.upper_stop)) / self.stop_compliance
         return area * pressure - spring - self.spring_preload + load
 
     def coulomb(self, time, y, pressure, side):

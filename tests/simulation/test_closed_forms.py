@@ -9,6 +9,7 @@ from exact_chain import ExactValve
 from simulation_runs import base_model, ramps_and_steps, run
 
 from valvemodel import chain
+from valvemodel.simulation import simulate
 from valvemodel.stages.slip import STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
 
 RATE = 52500.0
@@ -236,3 +237,15 @@ def test_a_bouncing_stem_keeps_the_square_of_its_restitution(restitution):
     time = np.array([0.0, fall * (1.0 + restitution), fall * (1.0 + 2.0 * restitution + restitution**2), 10.0])
     positions = run(model, time, np.full(4, pressure), driven_by=chain.PRESSURE, start=0.0)
     assert positions[1:] == pytest.approx([0.1 * (1.0 - restitution**2), 0.1 * (1.0 - restitution**4), 0.1], abs=1e-13)
+
+
+@pytest.mark.parametrize("short", [1e-6, 1e-5, 1e-4, 1e-3])
+def test_a_stem_that_turns_just_beyond_the_end_of_its_travel_does_not_get_there(short):
+    """Its speed falls to 0 within the same small part of a step in which it passes the end."""
+    ringing = base_model(viscous_friction=30.0).with_effect("load_force", load_sine=1.0)
+    time = np.arange(60) / 50.0
+    current = np.where(time < 0.1, 8e-3, 16e-3)
+    peak = simulate(ringing, time=time, current=current).events.position.max()
+    blocked = simulate(ringing.with_values(travel_max=peak - short), time=time, current=current).events
+    assert blocked.position.max() <= peak - short
+    assert "impact" in blocked.kind

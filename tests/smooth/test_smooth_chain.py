@@ -225,3 +225,22 @@ def test_second_derivatives_are_those_of_the_first():
 def test_affine_valves_have_a_smooth_chain_too():
     valve = read_valve("linear")
     assert np.abs(apart(Model(valve.name, valve.values), 0.1)).max() < 3e-6
+
+
+STOPS_THAT_YIELD = [{"upper_stop": 0.19}, {"upper_stop": 0.17, "lower_stop": 0.09}]
+
+
+@pytest.mark.parametrize("stops", STOPS_THAT_YIELD, ids=" ".join)
+@pytest.mark.parametrize("compliance", [2e-9, 2e-7])
+def test_a_stop_that_gives_way_is_as_deep_as_in_the_exact_run(stops, compliance):
+    model = base().with_effect("end_stop", **stops, stop_compliance=compliance)
+    ramps = (TIME > 1.0) & (TIME < 12.0)
+    off, depth = apart(model, 1e-3), 5.0 * compliance * model.values["coulomb_friction"]
+    # A stem that comes to a stop fast is taken to rest there within a part.
+    assert np.abs(off[ramps]).max() < 0.05 * depth + 3e-6
+    # One that leaves it is thrown by it; the smooth form only lets it go.
+    assert np.sqrt(np.mean(off[TIME > 1.0] ** 2)) < 0.1 * depth + 3e-5
+
+
+def test_derivatives_of_a_step_against_a_stop_that_gives_way_agree_with_differences():
+    check_derivatives(base().with_effect("end_stop", upper_stop=0.13, lower_stop=0.12, stop_compliance=2e-6))

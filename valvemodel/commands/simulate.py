@@ -54,7 +54,7 @@ Examples:
     "events_file",
     metavar="EVENTS.csv",
     type=click.Path(path_type=Path),
-    help="Also write every breakaway, stop, reversal and impact at its own instant.",
+    help="Also write every breakaway, stop, reversal, impact and release at its own instant.",
 )
 @click.option(
     "--out",

@@ -125,7 +125,7 @@ def operating_point(model: Model, *, current: float, mode: str = "rising", speed
     def net(position: float) -> float:
         return float(stem.thrust(row, position, pressure, 0.0)) - side * (friction(position) + viscous)
 
-    position = _balance(net, numbers, (stem.lowest_position(row), stem.highest_position(row)))
+    position = _balance(net, numbers, stem.free_travel(row))
     reading = sensor.bow(row, position - side * numbers["backlash_half_width"])
     return OperatingPoint(
         mode, current, effective, gap, resting, supplied, pressure, position, reading, speed, friction(position)

@@ -13,12 +13,14 @@ from valvemodel.reference.flow import Flow, State, flow
 from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
+    Span,
     breakaway_ratio,
     coulomb_friction,
     highest_position,
+    is_blocked,
     lowest_position,
-    rebound,
     thrust,
+    velocity_at_end,
     viscous_friction,
 )
 
@@ -41,8 +43,7 @@ class BristleStem:
 
     def __init__(self, numbers: SimpleNamespace, position: float, pressure: float) -> None:
         self.numbers = numbers
-        self.lowest, self.highest = lowest_position(numbers), highest_position(numbers)
-        self.position = min(max(position, self.lowest), self.highest)
+        self.position = min(max(position, lowest_position(numbers)), highest_position(numbers))
         self.velocity = 0.0
         self.pressure: Pressure = lambda _: pressure
         self.time = 0.0
@@ -89,17 +90,18 @@ class BristleStem:
 
         def is_beyond(_: float, state: State) -> bool:
             has_turned = n.slider_share > 0.0 and side * state[1] < 0.0
-            return has_turned or not self.lowest <= state[0] <= self.highest
+            return has_turned or not span.lowest <= state[0] <= span.highest
 
         n, begun, side = self.numbers, self.position, self.side(begin)
+        span = Span(n, begun, side)
         found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
         self.position, self.velocity, self.bristle = found(lasted)
         pressure = self.pressure(begin + lasted)
         limit = sliding_limit(n, self.position, side * abs(self.velocity), pressure, self.time + begin + lasted)
         self.sliders = [side * bend for bend in self.bends(side, self.position - begun, limit)]
-        if has_hit and not self.lowest < self.position < self.highest:
-            self.position = min(max(self.position, self.lowest), self.highest)
-            self.velocity = rebound(self.numbers, self.velocity)
+        if has_hit and not span.lowest < self.position < span.highest:
+            self.position = span.within(self.position)
+            self.velocity = velocity_at_end(n, self.position, self.velocity)
         return found, lasted
 
     def bends(self, side: float, way: float, limit: float) -> list[float]:
@@ -121,9 +123,7 @@ class BristleStem:
 
     def is_blocked(self, instant: float) -> bool:
         """Return whether an end of the travel holds the stem."""
-        net = self.net(instant)
-        is_at_end = self.position >= self.highest if net > 0.0 else self.position <= self.lowest
-        return self.velocity == 0.0 and is_at_end
+        return self.velocity == 0.0 and is_blocked(self.numbers, self.position, self.net(instant))
 
 
 def slider_yields() -> list[float]:

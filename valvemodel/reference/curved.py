@@ -13,9 +13,11 @@ from valvemodel.reference.motion import HELD, end_slip, hard_stop
 from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
     STOP_SPEED,
+    Span,
     breakaway_ratio,
     coulomb_friction,
     highest_position,
+    is_blocked,
     lowest_position,
     thrust,
     viscous_friction,
@@ -44,8 +46,8 @@ class CurvedStem:
 
     def __init__(self, numbers: SimpleNamespace, position: float) -> None:
         self.numbers = numbers
-        self.lowest, self.highest = lowest_position(numbers), highest_position(numbers)
-        self.position = min(max(position, self.lowest), self.highest)
+        self.position = min(max(position, lowest_position(numbers)), highest_position(numbers))
+        self.span = Span(numbers, self.position, 0.0)
         self.velocity = 0.0
         self.side = 0.0
         self.pressure: Pressure = lambda _: 0.0
@@ -68,6 +70,7 @@ class CurvedStem:
             return lambda _: (position, 0.0), self.time_held(begin, left)
         if self.side == 0.0:
             self.side = 1.0 if self.thrust(begin, self.position) > 0.0 else -1.0
+        self.span = Span(self.numbers, self.position, self.side)
 
         def slope(instant: float, state: State) -> State:
             return [state[1], self.acceleration(begin + instant, state[0], state[1])]
@@ -107,9 +110,8 @@ class CurvedStem:
         n, time, pressure = self.numbers, self.time + instant, self.pressure(instant)
         net = thrust(n, position, pressure, time)
         side = 1.0 if net > 0.0 else -1.0
-        is_blocked = position >= self.highest if side > 0.0 else position <= self.lowest
         friction = coulomb_friction(n, side, position, pressure, time)
-        return is_blocked or abs(net) <= HELD * breakaway_ratio(n) * friction
+        return is_blocked(n, position, side) or abs(net) <= HELD * breakaway_ratio(n) * friction
 
     def time_held(self, begin: float, left: float) -> float:
         """Return how long a stem that holds goes on holding, at most what is left. [s]"""
@@ -125,8 +127,7 @@ class CurvedStem:
     def has_ended(self, instant: float, position: float, velocity: float) -> bool:
         """Return whether a slip has stopped, is beyond the travel, or creeps where friction holds the stem."""
         speed = self.side * velocity
-        is_beyond = position > self.highest if self.side > 0.0 else position < self.lowest
-        if speed < 0.0 or is_beyond:
+        if speed < 0.0 or self.span.is_beyond(position, self.side):
             return True
         slowing = self.side * self.acceleration(instant, position, velocity)
         is_creep = speed < self.numbers.stick_speed and -hard_stop(self.numbers) < slowing < 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import copysign
+from math import copysign, inf
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -12,12 +12,14 @@ from valvemodel.reference.instant import first_instant
 from valvemodel.reference.slip import Motion, first_stop, slip
 from valvemodel.reference.stem import (
     STOP_SPEED,
+    Span,
     breakaway_ratio,
     coulomb_friction,
     highest_position,
+    is_blocked,
     lowest_position,
-    rebound,
     thrust,
+    velocity_at_end,
     viscous_friction,
 )
 
@@ -38,9 +40,9 @@ def hard_stop(n: SimpleNamespace) -> float:
 
 
 def end_slip(stem: Stem | CurvedStem) -> None:
-    """Stop a slip where the stem is, or throw it back where it is beyond the travel."""
-    position = min(max(stem.position, stem.lowest), stem.highest)
-    velocity = rebound(stem.numbers, stem.velocity) if position != stem.position else 0.0
+    """Stop a slip where the stem is, or throw it back at an end of the travel; at a stop that gives way it goes on."""
+    position = stem.span.within(stem.position)
+    velocity = velocity_at_end(stem.numbers, position, stem.velocity) if position != stem.position else 0.0
     stem.come_to_rest(position)
     if velocity != 0.0:
         stem.velocity, stem.side = velocity, copysign(1.0, velocity)
@@ -51,8 +53,8 @@ class Stem:
 
     def __init__(self, numbers: SimpleNamespace, position: float) -> None:
         self.numbers = numbers
-        self.lowest, self.highest = lowest_position(numbers), highest_position(numbers)
-        self.position = min(max(position, self.lowest), self.highest)
+        self.position = min(max(position, lowest_position(numbers)), highest_position(numbers))
+        self.span = Span(numbers, self.position, 0.0)
         self.velocity = 0.0
         self.side = 0.0
 
@@ -74,6 +76,7 @@ class Stem:
         if self.side == 0.0:
             self.side = 1.0 if thrust(n, position, pressure, 0.0) > 0.0 else -1.0
         side = self.side
+        self.span = Span(n, position, side)
         friction = coulomb_friction(n, side, position, pressure, 0.0)
         body = {
             "mass": n.stem_mass,
@@ -81,6 +84,9 @@ class Stem:
             "stiffness": n.spring_rate - n.diaphragm_area * n.area_slope * pressure,
         }
         force = n.diaphragm_area * pressure - n.spring_preload - side * friction
+        if self.span.stop != inf:
+            body["stiffness"] += 1.0 / n.stop_compliance
+            force += self.span.stop / n.stop_compliance
         motion = slip(**body, force=force, position=position, velocity=velocity)
         acceleration = self.acceleration(position, velocity, pressure)
         stop = first_stop(**body, speed=side * velocity, acceleration=side * acceleration)
@@ -110,12 +116,11 @@ class Stem:
         net = thrust(self.numbers, position, pressure, 0.0)
         side = 1.0 if net > 0.0 else -1.0
         friction = coulomb_friction(self.numbers, side, position, pressure, 0.0)
-        is_blocked = position >= self.highest if side > 0.0 else position <= self.lowest
-        return is_blocked or abs(net) <= HELD * breakaway_ratio(self.numbers) * friction
+        return is_blocked(self.numbers, position, side) or abs(net) <= HELD * breakaway_ratio(self.numbers) * friction
 
     def has_ended(self, pressure: float, position: float, velocity: float) -> bool:
         """Return whether a slip is beyond the travel, or has slowed down to a creep where friction holds the stem."""
-        is_beyond = position > self.highest if self.side > 0.0 else position < self.lowest
+        is_beyond = self.span.is_beyond(position, self.side)
         is_slow = self.side * velocity < self.numbers.stick_speed
         slowing = self.side * self.acceleration(position, velocity, pressure)
         is_creep = is_slow and -hard_stop(self.numbers) < slowing < 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, exp, expm1, pi, sin
+from math import cos, exp, expm1, inf, pi, sin
 from types import SimpleNamespace
 
 STOP_SPEED = 1e-6
@@ -17,7 +17,15 @@ def thrust(n: SimpleNamespace, position: float, pressure: float, time: float) ->
     area = n.diaphragm_area * (1.0 + n.area_slope * position + n.area_curvature * position**2)
     stiffening = 1.0 + n.spring_progression * position + n.spring_hardening * position**2
     spring = n.spring_preload + n.spring_rate * position * stiffening
-    return area * pressure - spring + load(n, time)
+    return area * pressure - spring - contact_force(n, position) + load(n, time)
+
+
+def contact_force(n: SimpleNamespace, position: float) -> float:
+    """Return the force by which a stop that gives way pushes the stem back, counted downwards. [N]"""
+    if n.stop_compliance == 0.0:
+        return 0.0
+    depth: float = max(position - n.upper_stop, 0.0) - max(n.lower_stop - position, 0.0)
+    return depth / n.stop_compliance
 
 
 def load(n: SimpleNamespace, time: float) -> float:
@@ -53,18 +61,51 @@ def viscous_friction(n: SimpleNamespace, side: float) -> float:
 
 def highest_position(n: SimpleNamespace) -> float:
     """Return the upper end of the travel. [m]"""
-    return min(n.travel_max, n.upper_stop, FARTHEST)
+    return min(n.travel_max, FARTHEST, *([n.upper_stop] if n.stop_compliance == 0.0 else []))
 
 
 def lowest_position(n: SimpleNamespace) -> float:
     """Return the lower end of the travel. [m]"""
-    return max(n.travel_min, n.lower_stop, -FARTHEST)
+    return max(n.travel_min, -FARTHEST, *([n.lower_stop] if n.stop_compliance == 0.0 else []))
+
+
+class Span:
+    """The positions between which the stem's forces follow one law: off the stops that give way, or against one."""
+
+    def __init__(self, n: SimpleNamespace, position: float, side: float) -> None:
+        self.lowest, self.highest = lowest_position(n), highest_position(n)
+        self.stop = inf
+        if n.stop_compliance > 0.0:
+            if position > n.upper_stop or (position == n.upper_stop and side > 0.0):
+                self.lowest = self.stop = n.upper_stop
+            elif position < n.lower_stop or (position == n.lower_stop and side < 0.0):
+                self.highest = self.stop = n.lower_stop
+            else:
+                self.lowest, self.highest = max(self.lowest, n.lower_stop), min(self.highest, n.upper_stop)
+
+    def is_beyond(self, position: float, side: float) -> bool:
+        """Return whether a motion to a side has left the span."""
+        return position > self.highest if side > 0.0 else position < self.lowest
+
+    def within(self, position: float) -> float:
+        """Return a position, or the end of the span that is nearest to it. [m]"""
+        return min(max(position, self.lowest), self.highest)
+
+
+def is_blocked(n: SimpleNamespace, position: float, side: float) -> bool:
+    """Return whether an end of the travel bars the way to a side."""
+    return position >= highest_position(n) if side > 0.0 else position <= lowest_position(n)
 
 
 def rebound(n: SimpleNamespace, velocity: float) -> float:
     """Return the velocity after the stem hits an end of its travel; a rebound below the stop speed rests. [m/s]"""
     after = -n.restitution * velocity
     return after if abs(after) >= STOP_SPEED else 0.0
+
+
+def velocity_at_end(n: SimpleNamespace, position: float, velocity: float) -> float:
+    """Return the velocity of a stem that has come to the end of a span: where a stop gives way, it goes on. [m/s]"""
+    return rebound(n, velocity) if is_blocked(n, position, velocity) else velocity
 
 
 def balanced_position(n: SimpleNamespace, pressure: float) -> float:

@@ -121,8 +121,11 @@ class SmoothChain:
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
         p.waves = int(self.model.numbers.get("load_waves", 1.0))
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
-        p.highest = [name for name in ("travel_max", "upper_stop") if name in self.parameters]
-        p.lowest = [name for name in ("travel_min", "lower_stop") if name in self.parameters]
+        p.yields = self.model.numbers.get("stop_compliance", 0.0) > 0.0
+        p.upper_stops = [name for name in ("upper_stop",) if name in self.parameters]
+        p.lower_stops = [name for name in ("lower_stop",) if name in self.parameters]
+        p.highest = [name for name in ("travel_max", *(() if p.yields else p.upper_stops)) if name in self.parameters]
+        p.lowest = [name for name in ("travel_min", *(() if p.yields else p.lower_stops)) if name in self.parameters]
         p.smoothing_length = p.smoothing_width / p.spring_rate
         p.smoothing_pressure = p.smoothing_width / p.diaphragm_area
         p.smoothing_share = p.smoothing_width / (p.smoothing_width + p.coulomb_friction)

@@ -6,6 +6,7 @@ from typing import Any
 
 import casadi as ca
 
+from valvemodel.smooth.contact import take_along
 from valvemodel.smooth.rounding import Expression, dead_zone, gate, ramp
 from valvemodel.smooth.slip import Transition
 from valvemodel.stages.sliders import SLIDERS, YIELDS
@@ -61,7 +62,7 @@ def advance_presliding(
         for name, bend in zip(SLIDER_STATES, after, strict=True):
             setattr(x, name, bend)
     x.bristle = bristle_after(p, x, side, way, limit, reach)[0]
-    x.position += way
+    take_along(p, x, way)
     free = motion.velocity_by_velocity * x.velocity + motion.velocity_by_force * net
     x.velocity = free - motion.velocity_by_force * force
 

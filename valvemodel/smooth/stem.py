@@ -13,6 +13,7 @@ from typing import Any
 import casadi as ca
 
 from valvemodel.equations.symbolic import driving_force
+from valvemodel.smooth.contact import contact_force, settle_contact, take_along
 from valvemodel.smooth.presliding import SLIDER_STATES, advance_presliding, bend_sliders, elastic_friction
 from valvemodel.smooth.rounding import Expression, dead_zone, gate, ramp
 from valvemodel.smooth.slip import stop_time, transition
@@ -56,6 +57,9 @@ def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duratio
         motion = transition(p.stem_mass, damping(p, side), stiffness(p, side, x.position, pressure, time), duration)
         advance_presliding(p, x, net, limit, motion, duration)
     else:
+        push = thrust(p, x.position, pressure, time) + contact_force(p, x.position)
+        rising, falling = (sliding_friction(p, side, x.position, pressure, time) for side in (1.0, -1.0))
+        settle_contact(p, x, push, rising, falling)
         slips = time_in_slip(p, x, pressure, time, duration)
         move(p, x, pressure, time, slips, ca.sign(x.velocity), breaks_away=False)
         resting_side = ca.sign(thrust(p, x.position, pressure, time))
@@ -99,7 +103,7 @@ def move(
         opened = ca.fabs(armed) * (1.0 + jump / p.smoothing_width)
         excess = ca.sign(excess) * ca.fmin(ca.fabs(excess), opened)
     way = motion.way_by_velocity * x.velocity + motion.way_by_force * (net - stopping + excess)
-    x.position += way
+    take_along(p, x, way)
     x.velocity = motion.velocity_by_force * excess
 
 
@@ -128,7 +132,7 @@ def thrust(p: Any, position: Expression, pressure: Expression, time: Expression)
         for wave in range(2, p.waves + 1):
             sine, cosine = getattr(p, f"load_sine_{wave}"), getattr(p, f"load_cosine_{wave}")
             force += sine * ca.sin(wave * angle) + cosine * ca.cos(wave * angle)
-    return force
+    return force - contact_force(p, position)
 
 
 def stiffness(p: Any, side: Expression, position: Expression, pressure: Expression, time: Expression) -> Expression:

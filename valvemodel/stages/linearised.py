@@ -15,9 +15,9 @@ from valvemodel.stages.presliding import (
     friction_after,
     pull_bristles,
 )
-from valvemodel.stages.rest import come_to_rest, meet_limit
+from valvemodel.stages.rest import break_away, come_to_rest, is_blocked, meet_limit
 from valvemodel.stages.slip import first_stop, time_of_way, transition
-from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, tangent_stiffness, thrust
+from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, room_to, tangent_stiffness, thrust
 
 LEFT_OVER = 2e5
 """Force that one step may leave over, for a metre of the tolerance. [N/m]"""
@@ -48,9 +48,10 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     net = thrust(p, position, pressure, middle) - elastic_friction(p, state)
     if state.mode == STUCK:
         side = RISING if net > 0.0 else FALLING
-        if net == 0.0 or room_to(state, side) <= 0.0:
+        if net == 0.0 or is_blocked(state, state.position, side):
             return duration
-        state.mode, state.velocity, state.trial_step = side, 0.0, math.inf
+        break_away(p, state, side)
+        state.trial_step = math.inf
     side, allowed = state.mode, LEFT_OVER * tolerance
     speed, room = side * state.velocity, room_to(state, side)
     limit = limiting_friction(p, side, position, pressure, middle, speed)
@@ -69,9 +70,10 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         and SETTLED * viscous <= stiffness * duration
         and side * net <= stiffness * NEGLIGIBLE_SWING * tolerance
     ):
-        shift(p, state, min(side * net / stiffness, room), limit)
+        balance = side * net / stiffness
+        shift(p, state, min(balance, room), limit)
         come_to_rest(state)
-        return duration
+        return duration if balance <= room else 0.0
     stop, trial = first_stop(mass, viscous, stiffness, speed, start), state.trial_step
     step = min(trial, duration)
     while True:
@@ -97,7 +99,8 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     has_hit = not way <= room
     if has_hit:
         step = time_of_way(mass, viscous, stiffness, speed, start, max(room, 0.0), step)
-        way = room
+        vv, va, _, _, _, _ = transition(mass, viscous, stiffness, step)
+        way, next_speed = room, max(vv * speed + va * start, 0.0)
     elif not has_stopped:
         next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
         has_stopped = next_speed == 0.0
@@ -107,16 +110,10 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     state.trace_velocity, state.trace_acceleration = side * speed, side * start
     state.trace_next_velocity, state.trace_next_acceleration = side * next_speed, side * next_acceleration
     if has_hit:
-        meet_limit(p, state, speed)
+        meet_limit(p, state, next_speed)
     elif has_stopped:
         come_to_rest(state)
     return step
-
-
-@compiled
-def room_to(state, side):
-    """Return how far the travel goes on to a side. [m]"""
-    return state.plan_highest - state.position if side > 0.0 else state.position - state.plan_lowest
 
 
 @compiled

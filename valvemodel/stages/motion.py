@@ -11,7 +11,7 @@ from valvemodel.stages.load import has_load
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
 from valvemodel.stages.response import remember_response
-from valvemodel.stages.rest import breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
+from valvemodel.stages.rest import break_away, breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
 from valvemodel.stages.sliders import has_sliders, stiffness_of_sliders
 from valvemodel.stages.slip import SHORT, STOP_SPEED, first_stop, slip_end, swing_out, time_of_way, transition
@@ -25,6 +25,7 @@ from valvemodel.stages.stem import (
     highest_position,
     is_linear,
     lowest_position,
+    room_to,
     sliding_friction,
     tangent_stiffness,
     thrust,
@@ -82,6 +83,7 @@ def plan_stem(p, state, tolerance):
         and p.spring_progression == 0.0
         and p.tight_spot_excess == 0.0
         and p.friction_area == 0.0
+        and p.stop_compliance == 0.0
         and not has_lag(p)
     )
     state.plan_falling = (
@@ -278,8 +280,7 @@ def advance_stem(p, state, memory, time, duration, tolerance):
         side = breakaway_side(p, state, pressure, time)
         if side == STUCK:
             return time_stuck(p, state, memory, time, duration, tolerance)
-        state.velocity = 0.0
-        state.mode = side
+        break_away(p, state, side)
     elif sticks(p, state, pressure, time):
         come_to_rest(state)
         return 0.0
@@ -296,8 +297,7 @@ def advance_held(p, state, pressure, duration):
         side = breakaway_side(p, state, pressure, 0.0)
         if side == STUCK:
             return duration
-        state.velocity = 0.0
-        state.mode = side
+        break_away(p, state, side)
     elif sticks(p, state, pressure, 0.0):
         come_to_rest(state)
         return 0.0
@@ -360,7 +360,7 @@ def advance_slip(p, state, pressure, duration, breaks_away):
         vv, va, av, aa, yv, ya = remembered_transition(p, state, viscous, stiffness, step, has_stopped)
         way = yv * speed + ya * start
         next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    room = room_to(state, side)
     if not way <= room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < p.stick_speed and (not has_stopped or next_acceleration > -state.plan_hard_stop)

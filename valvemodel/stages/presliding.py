@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import fit_powers, left_out
 from valvemodel.stages.part import pressure_at
+from valvemodel.stages.rest import break_away, is_blocked
 from valvemodel.stages.sliders import (
     force_of_sliders,
     has_sliders,
@@ -106,7 +107,7 @@ def pull_bristles(p, state, side, way, limit):
 @compiled
 def rests_on_bristles(p, state, memory, time, duration, tolerance):
     """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
-    position, net = state.position, net_on_bristles(p, state, memory, time)
+    net = net_on_bristles(p, state, memory, time)
     if is_negligible(p, state, memory, time, net, tolerance):
         if memory.part_count == 0.0 and state.plan_varies == 0.0:
             return True
@@ -114,10 +115,9 @@ def rests_on_bristles(p, state, memory, time, duration, tolerance):
         if is_negligible(p, state, memory, time + duration, net, tolerance):
             return True
     side = RISING if net > 0.0 else FALLING
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
-    if net == 0.0 or room <= 0.0:
+    if net == 0.0 or is_blocked(state, state.position, side):
         return True
-    state.mode, state.velocity = side, 0.0
+    break_away(p, state, side)
     return False
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, slope_at
 from valvemodel.stages.part import is_coarse, pressure_at
 from valvemodel.stages.slip import STOP_SPEED
-from valvemodel.stages.stem import FALLING, RISING, STUCK, sliding_friction, stribeck_excess, thrust
+from valvemodel.stages.stem import FALLING, RISING, STUCK, lay_span, sliding_friction, stribeck_excess, thrust
 
 BRACKET = 1e-15
 """Share of the time by which a breakaway is located."""
@@ -21,14 +21,34 @@ def come_to_rest(state):
     state.mode = STUCK
 
 
+@inlined
+def is_blocked(state, position, side):
+    """Return whether an end of the travel bars the way to a side."""
+    return position >= state.plan_highest if side > 0.0 else position <= state.plan_lowest
+
+
+@inlined
+def break_away(p, state, side):
+    """Set a resting stem going to a side."""
+    state.velocity, state.mode = 0.0, side
+    if p.stop_compliance > 0.0:
+        # It may rest just where a stop begins to act.
+        lay_span(p, state, side)
+
+
 @compiled
 def meet_limit(p, state, speed):
     """Stop a slip at the end of the travel, or throw it back with the restitution's share of its speed.
 
-    A rebound slower than the stop speed rests, so that the bounces end.
+    A rebound slower than the stop speed rests, so that the bounces end. At a stop that gives way the slip goes on.
     """
     side = state.mode
-    state.position = state.plan_highest if side > 0.0 else state.plan_lowest
+    end = state.plan_highest if side > 0.0 else state.plan_lowest
+    state.position = state.span_highest if side > 0.0 else state.span_lowest
+    if state.position != end:
+        state.velocity = side * speed
+        lay_span(p, state, side)
+        return
     rebound = p.restitution * speed
     if rebound < STOP_SPEED:
         come_to_rest(state)
@@ -44,8 +64,7 @@ def breakaway_side(p, state, pressure, time):
     side = RISING if net > 0.0 else FALLING
     if abs(net) <= state.plan_ratio * sliding_friction(p, side, position, pressure, time):
         return STUCK
-    is_blocked = position >= state.plan_highest if side > 0.0 else position <= state.plan_lowest
-    return STUCK if is_blocked else side
+    return STUCK if is_blocked(state, position, side) else side
 
 
 @compiled
@@ -78,8 +97,7 @@ def time_stuck(p, state, memory, time, duration, tolerance):
         if max(rising, falling) < -state.plan_drift * length:
             return length
     for side in (RISING, FALLING):
-        is_blocked = state.position >= state.plan_highest if side > 0.0 else state.position <= state.plan_lowest
-        if not is_blocked:
+        if not is_blocked(state, state.position, side):
             instant = min(instant, breakaway_instant(p, state, memory, time, length, count, side))
     return instant if instant < length else length
 

@@ -19,7 +19,7 @@ from valvemodel.stages.sliders import (
     way_to_sliding,
 )
 from valvemodel.stages.slip import STOP_SPEED, first_stop
-from valvemodel.stages.stem import sliding_friction, stribeck_excess, tangent_stiffness, thrust
+from valvemodel.stages.stem import room_to, sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
 TERM_SHARE = 1e-3
 """Share of the tolerance below which a term of the series is left out, and within which an event is met."""
@@ -146,7 +146,7 @@ def leave_series(p, state, memory, order, share, step, has_stopped):
     """Take a stem along its series to a share of the step, or to the end of its travel; return share and way."""
     side, position = state.mode, state.position
     way = way_at(memory, order, share)
-    room = state.plan_highest - position if side > 0.0 else position - state.plan_lowest
+    room = room_to(state, side)
     has_hit = not way <= room
     if has_hit:
         share, way, has_stopped = place_of_way(memory, order, share, max(room, 0.0)), room, False

@@ -296,9 +296,9 @@ EFFECTS = (
         key="end_stop",
         stage="stem",
         title="end stop",
-        meaning="the travel ends short of the expected range",
-        equation=r"y_{lo} \le y \le y_{hi}",
-        source="mechanical stop, inelastic",
+        meaning="the travel ends short of the expected range, dead or elastically",
+        equation=r"y_{lo} \le y \le y_{hi}; \quad C > 0: F = (y - y_{hi})/C \text{ where } y > y_{hi}",
+        source="mechanical stop: inelastic, or a linear contact spring 1/C (Kelvin-Voigt with the stem's damping)",
         parameters=(
             Parameter("upper_stop", "m", "highest position", 0.0, 1.0, math.inf, ("highest_reading",), typical=0.2),
             Parameter(
@@ -310,6 +310,16 @@ EFFECTS = (
                 -math.inf,
                 ("lowest_reading",),
                 typical=-math.inf,
+            ),
+            Parameter(
+                "stop_compliance",
+                "m/N",
+                "C: how far the stop gives way over force; 0 stops dead",
+                0.0,
+                5e-6,
+                0.0,
+                (0.0, 2e-7),
+                is_later=True,
             ),
         ),
         is_one_of=True,
@@ -393,6 +403,8 @@ def thrust(p, position, pressure, time):
         force -= p.spring_rate * p.spring_hardening * position * position * position
     if p.spring_progression != 0.0:
         force -= p.spring_rate * p.spring_progression * position * position
+    if p.stop_compliance > 0.0:
+        force -= (max(position - p.upper_stop, 0.0) - max(p.lower_stop - position, 0.0)) / p.stop_compliance
     if has_load(p):
         force += load(p, time)
     return force
@@ -430,6 +442,18 @@ def breakaway_ratio(p):
     return max(p.static_friction_ratio, p.stribeck_ratio)
 
 
+@inlined
+def is_above(p, side, position):
+    """Return whether a stem that moves to a side presses on the upper stop, or is about to."""
+    return position > p.upper_stop or (position == p.upper_stop and side > 0.0)
+
+
+@inlined
+def is_below(p, side, position):
+    """Return whether a stem that moves to a side presses on the lower stop, or is about to."""
+    return position < p.lower_stop or (position == p.lower_stop and side < 0.0)
+
+
 @compiled
 def tangent_stiffness(p, side, position, pressure, time):
     """Return by how much the net force falls with the position. [N/m]"""
@@ -442,6 +466,8 @@ def tangent_stiffness(p, side, position, pressure, time):
         stiffness -= p.diaphragm_area * p.area_slope * pressure
     if p.area_curvature != 0.0:
         stiffness -= 2.0 * p.diaphragm_area * p.area_curvature * position * pressure
+    if p.stop_compliance > 0.0 and (is_above(p, side, position) or is_below(p, side, position)):
+        stiffness += 1.0 / p.stop_compliance
     if p.tight_spot_excess != 0.0:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         bump = tight_spot_bump(p, distance)
@@ -492,14 +518,42 @@ def friction_drift(p):
 
 @compiled
 def highest_position(p):
-    """Return the upper end of the travel. [m]"""
-    return min(min(p.travel_max, p.upper_stop), FARTHEST)
+    """Return the upper end of the travel, which nothing exceeds. [m]"""
+    highest = min(p.travel_max, FARTHEST)
+    return highest if p.stop_compliance > 0.0 else min(highest, p.upper_stop)
 
 
 @compiled
 def lowest_position(p):
-    """Return the lower end of the travel. [m]"""
-    return max(max(p.travel_min, p.lower_stop), -FARTHEST)
+    """Return the lower end of the travel, which nothing goes below. [m]"""
+    lowest = max(p.travel_min, -FARTHEST)
+    return lowest if p.stop_compliance > 0.0 else max(lowest, p.lower_stop)
+
+
+@compiled
+def free_travel(p):
+    """Return between which positions no stop acts, lowest and highest. [m]"""
+    return max(lowest_position(p), p.lower_stop), min(highest_position(p), p.upper_stop)
+
+
+@compiled
+def lay_span(p, state, side):
+    """Write down between which positions one law of force holds: off the stops that give way, or against one."""
+    state.span_lowest, state.span_highest = state.plan_lowest, state.plan_highest
+    if p.stop_compliance == 0.0:
+        return
+    if is_above(p, side, state.position):
+        state.span_lowest = p.upper_stop
+    elif is_below(p, side, state.position):
+        state.span_highest = p.lower_stop
+    else:
+        state.span_lowest, state.span_highest = free_travel(p)
+
+
+@inlined
+def room_to(state, side):
+    """Return how far the stem may go to a side under one law of force. [m]"""
+    return state.span_highest - state.position if side > 0.0 else state.position - state.span_lowest
 
 
 @compiled

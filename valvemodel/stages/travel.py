@@ -12,7 +12,7 @@ from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
 from valvemodel.stages.slip import STOP_SPEED, first_stop
-from valvemodel.stages.stem import sliding_friction, thrust
+from valvemodel.stages.stem import room_to, sliding_friction, thrust
 from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
 from valvemodel.stages.transmitter import has_lag
 
@@ -58,7 +58,7 @@ def advance_travel(p, state, memory, time, duration, tolerance):
     if error < 0.5 ** (count + 3):
         state.trial_step = max(state.trial_step, 2.0 * step)
     ended = NOTHING
-    room = state.plan_highest - state.position if state.mode > 0.0 else state.position - state.plan_lowest
+    room = room_to(state, state.mode)
     contact = math.inf
     if has_lag(p):
         contact = way_to_contact(p, state, state.mode)
@@ -104,9 +104,10 @@ def first_event(p, state, memory, count, ended, room, contact):
             lowest = lowest_place(memory, count, node)
             if value_at(count, memory.powers, lowest) <= 0.0:
                 return STOP, node - 1.0, lowest
-        if node <= last and not way <= room:
+        # A slip that stops may have gone past either on the way to its stop.
+        if (node <= last or ended != LIMIT) and not way <= room:
             return LIMIT, node - 1.0, float(node)
-        if node <= last and TOUCHING < contact < way and memory.ways[node - 1] < contact:
+        if (node <= last or ended != CONTACT) and TOUCHING < contact < way and memory.ways[node - 1] < contact:
             return CONTACT, node - 1.0, float(node)
         # A slip that stops may have stuck on the way to its stop.
         may_stick = node <= last or (ended == STOP and p.stick_speed > STOP_SPEED)
