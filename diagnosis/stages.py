@@ -15,13 +15,11 @@ from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
 
 ALIKE = 4.0
-"""What an effect hints at the stages of those like it elsewhere, over what it hints at its own: it was tried and fell
-short."""
+"""What an effect hints at the stages of those like it, over what it hints at its own: it was tried and fell short."""
 
 NEAREST = 6.0
 """Power by which the effects that come nearest hint more than those that hardly help. Set, with the numbers above and
-below, on 152 blind plants of our own whose effect was no candidate: one of two stages named is right in 78 %; with a
-power of 1 and what went with that, in 68 %."""
+below, on 152 blind plants of our own whose effect was no candidate."""
 
 FOREHAND = 1.0
 """What all stages together hint at beforehand; an effect that halves the error in root mean square hints at 1.4."""
@@ -68,14 +66,16 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     """Return how much the gap resembles the effects of each stage, as shares of 1.
 
     An effect alone hints at its stage by the logarithm of how far it brings the error down, those that come nearest
-    most of all, and more at the stages of the effects elsewhere that are declared to look like it, or it like them: it
-    was tried and fell short, so that what it stands in for is rather one of these. Where nothing helps, a stage counts
-    by the number of effects that are known in it. Coarse steps that the readings themselves show hint at the sensor by
-    what they leave, as what looks like a cause that was not tried.
+    most of all, and more at the stages of the effects that are declared to look like it, or it like them: it was tried
+    and fell short, so that what it stands in for is rather one of these. A load in waves hints at nothing: it takes in
+    whatever goes with time. Where nothing helps, a stage counts by the number of effects that are known in it. Coarse
+    steps that the readings themselves show hint at the sensor by what they leave, as what looks like a cause that was
+    not tried.
     """
     hints = {stage: FOREHAND * sum(effect.stage == stage for effect in EFFECTS) / len(EFFECTS) for stage in STAGES}
     base = candidates[0].score.misfit
-    alone = {each.effects[0]: hinted(base, each.score.misfit) for each in candidates if len(each.effects) == 1}
+    single = [each for each in candidates if len(each.effects) == 1 and not each.has_series]
+    alone = {each.effects[0]: hinted(base, each.score.misfit) for each in single}
     by_steps = hinted(base, base - left_by_steps(candidates[0]))
     most = max([by_steps, *alone.values()])
 
@@ -85,9 +85,9 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     for key, hint in alone.items():
         effect = effect_of_key(key)
         hints[effect.stage] += weight(hint)
-        elsewhere = {other.stage for other in EFFECTS if are_aliases(key, other.key)} - {effect.stage}
-        for stage in elsewhere or {effect.stage}:
-            hints[stage] += ALIKE * weight(hint) / max(len(elsewhere), 1)
+        like_it = {other.stage for other in EFFECTS if other is not effect and are_aliases(key, other.key)}
+        for stage in like_it or {effect.stage}:
+            hints[stage] += ALIKE * weight(hint) / max(len(like_it), 1)
     hints["sensor"] += ALIKE * weight(by_steps)
     total = sum(hints.values())
     return {stage: hint / total for stage, hint in hints.items()}

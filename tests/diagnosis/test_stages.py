@@ -1,6 +1,7 @@
 """The stage of an unknown cause is judged by what resembles it, stand-ins included."""
 
 from collections import Counter
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,6 +33,18 @@ def test_a_hint_at_the_aliases_is_shared_by_their_stages():
     # Each of the two lags fell short and stands in for the other, or for what lies between them.
     assert sorted(hints, key=lambda stage: -hints[stage]) == ["nozzle", "electromagnet", "sensor", "stem"]
     assert hints["sensor"] > 0.15 > 0.1 > hints["stem"]
+
+
+def test_what_looks_like_it_in_its_own_stage_is_hinted_at_too():
+    # A filling that is the same both ways, or a lag elsewhere, or a supply that sags.
+    hints = resemblance([candidate(50.0), candidate(5.0, "asymmetric_filling")])
+    assert max(hints, key=lambda stage: hints[stage]) == "nozzle"
+
+
+def test_a_load_in_waves_says_nothing_of_where():
+    near = [candidate(50.0), candidate(40.0, "position_dependent_friction")]
+    waves = replace(candidate(5.0, "load_force"), has_series=True)
+    assert resemblance([*near, waves]) == resemblance(near)
 
 
 def test_what_hardly_helps_says_little_beside_what_comes_near():
