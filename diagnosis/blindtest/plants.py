@@ -128,11 +128,17 @@ def _within_reach(stop: Truth, truths: Sequence[Truth], scale: Scale) -> Truth:
     others = tuple(truth for truth in truths if truth is not stop and truth.stage != "sensor")
     if not others:
         return stop
-    extreme = np.max if stop.parameters["side"] > 0 else np.min
-    moved = float(extreme(scale.trace_with(others)) - extreme(scale.trace))
+    side = stop.parameters["side"]
+    moved = _reached(scale.trace_with(others), side) - _reached(scale.trace, side)
     return replace(
         stop, parameters={**stop.parameters, "reference_travel": stop.parameters["reference_travel"] + moved}
     )
+
+
+def _reached(trace: Signal, side: float) -> float:
+    """How far a reading comes to a side on its way from the other one: it may have begun farther. [m]"""
+    turned = int(np.argmin(side * trace))
+    return side * float(np.max(side * trace[turned:]))
 
 
 def _nuisance_keys(seed: int, effects: Sequence[str]) -> list[str]:

@@ -56,13 +56,17 @@ def test_pairs_and_nuisances_are_told_apart():
     assert plant.described()["effects"][0]["effect"] == "end_stop"
 
 
-@pytest.mark.parametrize("other", ["spring_hardening", "air_leak"])
-def test_a_stop_is_met_beside_an_effect_that_shortens_the_travel(other):
-    plant = draw_plant(30, ("end_stop", other))
+@pytest.mark.parametrize(
+    ("seed", "other"), [(30, "spring_hardening"), (30, "air_leak"), (476445546, "asymmetric_friction")]
+)
+def test_a_stop_is_met_beside_an_effect_that_shortens_the_travel(seed, other):
+    # With the last one the stem begins lower, at rest, than where it comes to again against more friction.
+    plant = draw_plant(seed, ("end_stop", other))
     _, beside = plant.effects
     profile = draw_profile(4, duration=60.0)
     free, stopped = (integrate(plant.base, *profile, effects=each)["position"] for each in ((beside,), plant.effects))
-    assert np.sqrt(np.mean((stopped - free) ** 2)) > plant.noise
+    later = slice(len(free) // 2, None)
+    assert np.sqrt(np.mean((stopped - free)[later] ** 2)) > plant.noise
 
 
 def test_base_does_not_depend_on_the_effects():
