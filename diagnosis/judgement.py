@@ -230,6 +230,11 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """
     lost, others = np.zeros(len(candidates)), [candidates[end] for end in ends]
 
+    def left(each: Candidate) -> float:
+        # The noise of a coarse reading is known from above only: which cause leaves less of it tells nothing.
+        is_coarse = any(effect_of_key(key).is_read_off for key in each.fit.model.effects)
+        return max(misfit(each), 1.0) if is_coarse else misfit(each)
+
     def beyond(each: Candidate, other: Candidate) -> float:
         takes_most = misfit(other) < max(AT_NOISE, 1.0 + MOST_LEFT * (misfit(each) - 1.0))
         share = FORM_BESIDE if takes_most and not makes_slips(other) else 1.0
@@ -237,15 +242,13 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
 
     for number, each in enumerate(candidates):
         peers = [
-            misfit(other) + BEHIND * max(other.freedom - each.freedom, 0)
+            left(other) + BEHIND * max(other.freedom - each.freedom, 0)
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [
-            misfit(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1
-        ]
-        lost[number] = np.clip((misfit(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
+        peers += [left(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1]
+        lost[number] = np.clip((left(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
             for other in others

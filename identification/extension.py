@@ -148,6 +148,8 @@ def extended(
     follows_all: bool = False,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
+    if fit.problem.is_in_steps and fit.problem.within > 0.0:
+        return beside_steps(fit, effect, known, is_global=is_global, promise=promise, follows_all=follows_all)
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin, known))
     trials = screened(fit, effect, known)
@@ -174,6 +176,22 @@ def extended(
         begun += [(each, best.point) for each, _ in searched if is_another_form(effect, each, problem)]
     ended = [(each, descend_to_end(each, point)) for each, point in begun]
     return finished(*min(ended, key=lambda pair: pair[1].error))
+
+
+def beside_steps(
+    fit: Fit, effect: Effect, known: dict[str, float] | None, *, is_global: bool, promise: float, follows_all: bool
+) -> Fit:
+    """Add an effect to a fit to readings in coarse steps, as if they were but noisy; only then within the steps.
+
+    What lies within a step says nothing of the way: a start that is a little off, or a fit that leaves few readings
+    beyond, has slopes of a few samples only.
+    """
+    problem, point = replace(fit.problem, within=0.0), fit.found.point
+    noisy = finished(problem, Found(point, float(errors(problem, point[None, :])[0])))
+    begun = extended(noisy, effect, known, None, is_global=is_global, promise=promise, follows_all=follows_all)
+    problem = replace(begun.problem, within=fit.problem.within)
+    ended = descend_to_end(problem, begun.found.point)
+    return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))
 
 
 @threadpool_limits.wrap(limits=1)

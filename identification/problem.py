@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -21,6 +22,9 @@ SEARCH_TOLERANCE = 1e-5
 
 FINE_TOLERANCE = 1e-7
 """Of runs that are differenced: far below any noise, and several times faster than the simulator's default. [m]"""
+
+BEYOND_STEPS = 2.0 / 3.0 * math.sqrt(2.0 / math.pi)
+"""Mean square beyond half a step of a coarse reading, over the cube of the noise by the step, of the right model."""
 
 LOST = 1e6
 """What counts in place of a residual that is no number. [noise]"""
@@ -114,8 +118,13 @@ class Problem:
     @cached_property
     def is_in_steps(self) -> bool:
         """Whether the model reads in coarse steps that an experiment's readings come in as well."""
-        step, offset = float(self._rows["resolution"][0]), float(self._rows["resolution_offset"][0])
-        return any(each.comes_in_steps(step, offset) for each in self.experiments)
+        offset = float(self._rows["resolution_offset"][0])
+        return any(each.comes_in_steps(self.step, offset) for each in self.experiments)
+
+    @property
+    def step(self) -> float:
+        """Step in which the model reads, 0 where it reads in none. [m]"""
+        return float(self._rows["resolution"][0])
 
     @cached_property
     def settles(self) -> bool:
@@ -144,12 +153,21 @@ class Problem:
 
     @property
     def noise_error(self) -> float:
-        """Half the sum of squares that noise alone leaves of the samples that count."""
-        signals = sum(
-            int(used.sum()) * (1 if experiment.pressure is None else 2)
-            for experiment, used in zip(self.experiments, self.used, strict=True)
-        )
-        return 0.5 * signals
+        """Half the sum of squares that noise alone leaves of the samples that count.
+
+        Of readings in coarse steps it leaves what lies beyond half a step: of noise that is small beside a step, and of
+        places that lie anywhere between two steps, noise over step of it.
+        """
+        squares = 0.0
+        for experiment, used in zip(self.experiments, self.used, strict=True):
+            left = self.left_by_noise(experiment) if self.is_in_steps else 1.0
+            squares += float(used.sum()) * (left + (0.0 if experiment.pressure is None else 1.0))
+        return 0.5 * squares
+
+    def left_by_noise(self, experiment: Experiment) -> float:
+        """Return the mean square that noise leaves of a reading in coarse steps: all of both, or beyond half a step."""
+        steps = self.step / experiment.noise
+        return 1.0 + steps**2 / 12.0 if self.within == 0.0 else min(BEYOND_STEPS / steps, 1.0)
 
     def jacobian(self, point: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
         """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns).

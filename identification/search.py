@@ -35,6 +35,9 @@ error has many flat places."""
 END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 20, 1e-6, 1e-4
 """Points of a search that is followed to its end, and the precision there and while it only comes near."""
 
+EVALUATIONS_IN_STEPS = 60
+"""The same of readings in coarse steps: what is left beyond half a step falls with the cube of what is off."""
+
 RENEWED_SERIES = 3
 """After how many steps at least the derivative is taken anew where a series of unknowns makes it dear."""
 
@@ -142,10 +145,9 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     problem : Problem
     start : array, shape (unknowns,)
     """
-    follow = partial(descend, evaluations=END_EVALUATIONS)
     if not problem.is_in_steps:
-        return follow(problem, start, precision=END_PRECISION)
-    point = start
+        return descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION)
+    point, follow = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
     for within in NARROWER:
         point = follow(replace(problem, within=within), point, precision=NEAR_PRECISION).point
     near = follow(problem, point, precision=END_PRECISION)

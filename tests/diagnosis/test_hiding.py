@@ -99,6 +99,13 @@ def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_mo
     assert judged.evidence[1] - judged.evidence[2] < 0.2
 
 
+def test_which_cause_leaves_less_of_a_coarse_reading_than_the_noise_tells_nothing(monkeypatch):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    pairs = [("area_variation", "quantisation"), ("spring_hardening", "quantisation"), ("gap_drift", "quantisation")]
+    tried = [candidate(90.0), *(candidate(misfit, *pair) for misfit, pair in zip((0.1, 0.6, 1.1), pairs, strict=True))]
+    assert judge(tried).lost[1:] == pytest.approx([0.0, 0.0, judgement.MOST_BEHIND])
+
+
 def test_what_lies_behind_by_more_than_the_error_cannot_be_taken_for_a_cause(monkeypatch):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     tried = [candidate(90.0), candidate(1.01, "area_variation"), candidate(1.02, "spring_hardening")]
