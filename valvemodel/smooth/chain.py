@@ -13,6 +13,7 @@ import numpy as np
 
 from valvemodel.model import Model
 from valvemodel.smooth import electromagnet, nozzle, sensor, stem
+from valvemodel.smooth.contact import CONTACTS
 from valvemodel.smooth.delay import delayed_current, finer
 from valvemodel.smooth.rounding import Expression
 
@@ -121,11 +122,11 @@ class SmoothChain:
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
         p.waves = int(self.model.numbers.get("load_waves", 1.0))
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
-        p.yields = self.model.numbers.get("stop_compliance", 0.0) > 0.0
-        p.upper_stops = [name for name in ("upper_stop",) if name in self.parameters]
-        p.lower_stops = [name for name in ("lower_stop",) if name in self.parameters]
-        p.highest = [name for name in ("travel_max", *(() if p.yields else p.upper_stops)) if name in self.parameters]
-        p.lowest = [name for name in ("travel_min", *(() if p.yields else p.lower_stops)) if name in self.parameters]
+        yields = self.model.numbers.get("stop_compliance", 0.0) > 0.0
+        p.contacts = [each for each in CONTACTS if yields and each[1] in self.parameters]
+        dead = [name for name in self.parameters if all(name != each for _, each in p.contacts)]
+        p.highest = [name for name in ("travel_max", "upper_stop") if name in dead]
+        p.lowest = [name for name in ("travel_min", "lower_stop") if name in dead]
         p.smoothing_length = p.smoothing_width / p.spring_rate
         p.smoothing_pressure = p.smoothing_width / p.diaphragm_area
         p.smoothing_share = p.smoothing_width / (p.smoothing_width + p.coulomb_friction)

@@ -12,6 +12,9 @@ import casadi as ca
 
 from valvemodel.smooth.rounding import Expression, gate, ramp
 
+CONTACTS = ((1.0, "upper_stop"), (-1.0, "lower_stop"))
+"""The side of each stop, and the parameter that says where it is."""
+
 LEAST_COMPLIANCE = 1e-12
 """A stop does not give way by less. [m/N]"""
 
@@ -21,21 +24,19 @@ def compliance_of(p: Any) -> Expression:
     return ca.fmax(p.stop_compliance, LEAST_COMPLIANCE)
 
 
+def contact_width(p: Any) -> Expression:
+    """Return the depth over which a contact is rounded: that to which the smoothing width presses. [m]"""
+    return p.smoothing_width * compliance_of(p)
+
+
 def depths(p: Any, position: Expression) -> list[tuple[float, Expression]]:
-    """Return for each stop its side, and how far the stem is beyond it. [m]"""
-    return [
-        *((1.0, position - getattr(p, name)) for name in p.upper_stops),
-        *((-1.0, getattr(p, name) - position) for name in p.lower_stops),
-    ]
+    """Return for each stop that gives way its side, and how far the stem is beyond it. [m]"""
+    return [(side, side * (position - getattr(p, name))) for side, name in p.contacts]
 
 
 def contact_force(p: Any, position: Expression) -> Expression:
-    """Return the force of the stops, counted downwards. [N]"""
-    if not p.yields:
-        return 0.0
-    compliance = compliance_of(p)
-    width = p.smoothing_width * compliance
-    return sum(side * rounded(depth, width) for side, depth in depths(p, position)) / compliance
+    """Return the force of the stops that give way, counted downwards. [N]"""
+    return sum(side * rounded(depth, contact_width(p)) / compliance_of(p) for side, depth in depths(p, position))
 
 
 def settle_contact(p: Any, x: Any, push: Expression, rising: Expression, falling: Expression) -> None:
@@ -48,11 +49,8 @@ def settle_contact(p: Any, x: Any, push: Expression, rising: Expression, falling
     rising, falling : Expression
         Friction of a stem that moves to either side. [N]
     """
-    if not p.yields:
-        return
-    stiffness = 1.0 / compliance_of(p) + p.spring_rate
-    width = p.smoothing_width * compliance_of(p)
     for side, depth in depths(p, x.position):
+        stiffness, width = 1.0 / compliance_of(p) + p.spring_rate, contact_width(p)
         at_stop = side * push + p.spring_rate * depth
         into, out = (rising, falling) if side > 0.0 else (falling, rising)
         shallowest, deepest = (at_stop - into) / stiffness, (at_stop + out) / stiffness
@@ -64,15 +62,17 @@ def settle_contact(p: Any, x: Any, push: Expression, rising: Expression, falling
 
 def take_along(p: Any, x: Any, way: Expression) -> None:
     """Take the stem along a way that was found at the stiffness off the stops."""
-    position = x.position
-    if p.yields:
-        excess = 1.0 / (compliance_of(p) * p.spring_rate)
-        width = p.smoothing_width * compliance_of(p)
-        stretched = [side * excess * rounded(depth, width) for side, depth in depths(p, position)]
-        position += sum(stretched)
-        for side, depth in depths(p, position + way):
-            way -= side * (depth - pushed_back(depth, excess, width))
-    x.position = position + way
+    begun = depths(p, x.position)
+    x.position += way
+    for side, depth in begun:
+        x.position += side * excess_of(p) * rounded(depth, contact_width(p))
+    for side, depth in depths(p, x.position):
+        x.position -= side * (depth - pushed_back(depth, excess_of(p), contact_width(p)))
+
+
+def excess_of(p: Any) -> Expression:
+    """Return the stiffness of a stop over the spring's."""
+    return 1.0 / (compliance_of(p) * p.spring_rate)
 
 
 def rounded(depth: Expression, width: Expression) -> Expression:
