@@ -209,6 +209,11 @@ def makes_slips(candidate: Candidate) -> bool:
     return any(effect_of_key(key).breakaway for key in candidate.fit.model.effects)
 
 
+def reads_coarsely(candidate: Candidate) -> bool:
+    """Return whether one of a cause's effects is read off the readings, as the steps in which they come are."""
+    return any(effect_of_key(key).is_read_off for key in candidate.fit.model.effects)
+
+
 def can_stop(candidate: Candidate) -> bool:
     """Return whether a cause can make the stem rest again and again on its way."""
     return any(effect_of_key(key).stops_again for key in candidate.fit.model.effects)
@@ -230,10 +235,9 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """
     lost, others = np.zeros(len(candidates)), [candidates[end] for end in ends]
 
-    def left(each: Candidate) -> float:
+    def left(each: Candidate, beside: Candidate) -> float:
         # The noise of a coarse reading is known from above only: which cause leaves less of it tells nothing.
-        is_coarse = any(effect_of_key(key).is_read_off for key in each.fit.model.effects)
-        return max(misfit(each), 1.0) if is_coarse else misfit(each)
+        return max(misfit(each), 1.0) if reads_coarsely(each) or reads_coarsely(beside) else misfit(each)
 
     def beyond(each: Candidate, other: Candidate) -> float:
         takes_most = misfit(other) < max(AT_NOISE, 1.0 + MOST_LEFT * (misfit(each) - 1.0))
@@ -242,13 +246,15 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
 
     for number, each in enumerate(candidates):
         peers = [
-            left(other) + BEHIND * max(other.freedom - each.freedom, 0)
+            left(other, each) + BEHIND * max(other.freedom - each.freedom, 0)
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [left(other) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1]
-        lost[number] = np.clip((left(each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
+        peers += [
+            left(other, each) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1
+        ]
+        lost[number] = np.clip((left(each, each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
             for other in others

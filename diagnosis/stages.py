@@ -85,9 +85,9 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
     for key, hint in alone.items():
         effect = effect_of_key(key)
         hints[effect.stage] += weight(hint)
-        like_it = {other.stage for other in EFFECTS if other is not effect and are_aliases(key, other.key)}
-        for stage in like_it or {effect.stage}:
-            hints[stage] += ALIKE * weight(hint) / max(len(like_it), 1)
+        alike = {other.stage for other in EFFECTS if other is not effect and are_aliases(key, other.key)}
+        for stage in alike or {effect.stage}:
+            hints[stage] += ALIKE * weight(hint) / max(len(alike), 1)
     hints["sensor"] += ALIKE * weight(by_steps)
     total = sum(hints.values())
     return {stage: hint / total for stage, hint in hints.items()}

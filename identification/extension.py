@@ -184,11 +184,13 @@ def beside_steps(
     """Add an effect to a fit to readings in coarse steps, as if they were but noisy; only then within the steps.
 
     What lies within a step says nothing of the way: a start that is a little off, or a fit that leaves few readings
-    beyond, has slopes of a few samples only.
+    beyond, has slopes of a few samples only. A kindred fit, and what a fit is worth, are of errors within the steps.
     """
     problem, point = replace(fit.problem, within=0.0), fit.found.point
     noisy = finished(problem, Found(point, float(errors(problem, point[None, :])[0])))
     begun = extended(noisy, effect, known, None, is_global=is_global, promise=promise, follows_all=follows_all)
+    if begun.found.error >= noisy.found.error:
+        return finished(*at_neutral(fit, effect))
     problem = replace(begun.problem, within=fit.problem.within)
     ended = descend_to_end(problem, begun.found.point)
     return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))

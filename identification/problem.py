@@ -118,8 +118,11 @@ class Problem:
     @cached_property
     def is_in_steps(self) -> bool:
         """Whether the model reads in coarse steps that an experiment's readings come in as well."""
-        offset = float(self._rows["resolution_offset"][0])
-        return any(each.comes_in_steps(self.step, offset) for each in self.experiments)
+        return any(self.comes_in_steps(each) for each in self.experiments)
+
+    def comes_in_steps(self, experiment: Experiment) -> bool:
+        """Return whether an experiment's readings come in the model's coarse steps."""
+        return experiment.comes_in_steps(self.step, float(self._rows["resolution_offset"][0]))
 
     @property
     def step(self) -> float:
@@ -128,8 +131,9 @@ class Problem:
 
     @cached_property
     def settles(self) -> bool:
-        """Whether a step of a settled loop of the model has a closed form."""
-        return settles_in_closed_form(self.model)
+        """Whether a step of a settled loop of the model has a closed form, wherever its unknowns go."""
+        may_yield = any(unknown.name == "stop_compliance" for unknown in self.unknowns)
+        return not may_yield and settles_in_closed_form(self.model)
 
     @property
     def has_pressure(self) -> bool:
@@ -160,12 +164,14 @@ class Problem:
         """
         squares = 0.0
         for experiment, used in zip(self.experiments, self.used, strict=True):
-            left = self.left_by_noise(experiment) if self.is_in_steps else 1.0
+            left = self.left_by_noise(experiment)
             squares += float(used.sum()) * (left + (0.0 if experiment.pressure is None else 1.0))
         return 0.5 * squares
 
     def left_by_noise(self, experiment: Experiment) -> float:
-        """Return the mean square that noise leaves of a reading in coarse steps: all of both, or beyond half a step."""
+        """Return the mean square that noise leaves of a reading: in coarse steps with these, or beyond half a step."""
+        if not self.comes_in_steps(experiment):
+            return 1.0
         steps = self.step / experiment.noise
         return 1.0 + steps**2 / 12.0 if self.within == 0.0 else min(BEYOND_STEPS / steps, 1.0)
 

@@ -145,7 +145,7 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     problem : Problem
     start : array, shape (unknowns,)
     """
-    if not problem.is_in_steps:
+    if not problem.is_in_steps or problem.within == 0.0:
         return descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION)
     point, follow = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
     for within in NARROWER:
@@ -179,7 +179,8 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             in_closed_form=problem.settles,
             within=problem.within,
         )
-    return 0.5 * np.where(np.isfinite(sums), sums, problem.noise_error * LOST)
+    lost = LOST * sum(int(used.sum()) for used in problem.used)
+    return 0.5 * np.where(np.isfinite(sums), sums, lost)
 
 
 def principal_directions(jacobian: np.ndarray, error: float) -> np.ndarray:

@@ -16,7 +16,7 @@ from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
-from valvemodel.stages.stem import STUCK, breakaway_ratio, lay_span, put_stem, rest_stem
+from valvemodel.stages.stem import STUCK, breakaway_ratio, held_by_stops, lay_span, put_stem, rest_stem
 from valvemodel.stages.transmitter import settle_reading
 from valvemodel.stages.travel import SHORTEST_STEP
 
@@ -269,6 +269,7 @@ def anchor_stem(p, state, reading, time):
     shift = unbow(p, reading - sensor_drift(p, time)) - state.linkage
     if abs(shift) <= p.anchor_tolerance:
         return
+    shift = held_by_stops(p, state.position + shift, state.pressure, time) - state.position
     state.position += shift
     lay_span(p, state, state.mode)
     shift_linkage(state, shift)

@@ -79,7 +79,7 @@ def settle_loop(
     Parameters
     ----------
     model : Model
-        The base valve and `SETTLING_EFFECTS`.
+        The base valve and `SETTLING_EFFECTS`, stops dead.
     current : array, shape (n,) [A]
     start_position : float
         Reading before the first current acts; by default in the middle of the stuck band. [m]

@@ -136,9 +136,9 @@ def _within_reach(stop: Truth, truths: Sequence[Truth], scale: Scale) -> Truth:
 
 
 def _reached(trace: Signal, side: float) -> float:
-    """How far a reading comes to a side on its way from the other one: it may have begun farther. [m]"""
-    turned = int(np.argmin(side * trace))
-    return side * float(np.max(side * trace[turned:]))
+    """How far a reading comes to a side once it has been in the other half: it may have begun farther. [m]"""
+    away = side * trace < 0.5 * np.ptp(trace) + float(np.min(side * trace))
+    return side * float(np.max(side * trace[int(np.argmax(away)) :]))
 
 
 def _nuisance_keys(seed: int, effects: Sequence[str]) -> list[str]:

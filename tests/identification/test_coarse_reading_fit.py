@@ -1,5 +1,7 @@
 """A blind valve whose transmitter reads in coarse steps is fitted to what its noise leaves at the steps' edges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
@@ -27,6 +29,15 @@ def test_noise_leaves_as_much_beyond_half_a_step_as_is_said(tmp_path):
     beyond = np.maximum(np.abs(problem.step * np.round(noisy / problem.step) - places) - 0.5 * problem.step, 0.0)
     expected = 0.5 * problem.used[0].sum() * np.mean((beyond / experiment.noise) ** 2)
     assert problem.noise_error == pytest.approx(expected, rel=0.03)
+
+
+def test_noise_beyond_steps_is_that_of_the_records_that_come_in_them(tmp_path):
+    _, _, found = fits_to_plant(9403, "quantisation", tmp_path)
+    problem, (coarse,) = found.problem, found.problem.experiments
+    fine = replace(coarse, position=coarse.position + 1e-3 * np.random.default_rng(0).standard_normal(len(coarse.time)))
+    both = replace(problem, experiments=[coarse, fine], used=[problem.used[0]] * 2)
+    assert both.is_in_steps
+    assert both.noise_error == pytest.approx(problem.noise_error + 0.5 * problem.used[0].sum())
 
 
 def test_a_search_to_the_end_passes_by_flat_places_and_ends_no_worse_than_it_began(tmp_path):

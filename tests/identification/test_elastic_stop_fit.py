@@ -4,7 +4,7 @@ import pytest
 from blind_fits import fits_to_plant
 
 
-@pytest.mark.parametrize(("seed", "formulation"), [(1, "elastic"), (5, "elastic"), (18, "elastic"), (3, "rigid")])
+@pytest.mark.parametrize(("seed", "formulation"), [(1, "elastic"), (5, "elastic"), (14, "elastic"), (3, "rigid")])
 def test_a_stop_is_found_with_what_it_gives_way(seed, formulation, tmp_path):
     plant, base, found = fits_to_plant(seed, "end_stop", tmp_path)
     truth = plant.effects[0]

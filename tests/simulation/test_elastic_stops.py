@@ -114,13 +114,23 @@ def test_coming_to_a_stop_and_leaving_it_are_events():
     assert (events.speed[at_stops] > 0.0).all()
 
 
-def test_anchored_run_takes_up_the_force_of_a_stop_where_it_is_put():
-    """A stem that is put into a stop by a reading is pushed out of it."""
-    model = stopped(1e-7, upper_stop=0.12)
-    time = np.linspace(0.0, 1.0, 51)
-    held = simulate(model, time=time, current=np.full(51, 12e-3), start_position=0.17)
-    assert held.position[0] == 0.17
-    assert held.position[-1] < 0.1215
+@pytest.mark.parametrize("compliance", [1e-10, 1e-8, 1e-7])
+@pytest.mark.parametrize("stop", ["upper_stop", "lower_stop"])
+def test_stem_is_put_no_deeper_into_a_stop_than_where_friction_holds_it(stop, compliance):
+    """A reading that is off by its noise would throw it back, the harder the stiffer the stop."""
+    side = 1.0 if stop == "upper_stop" else -1.0
+    model = stopped(compliance, **{stop: 0.12})
+    time, current = np.linspace(0.0, 1.0, 51), np.full(51, 12e-3 + side * 2e-3)
+    found, expected = (
+        make(model, time=time, current=current, start_position=0.12 + side * 1e-3)
+        for make in (simulate, simulate_slowly)
+    )
+    assert found.position == pytest.approx(expected.position, abs=1e-13)
+    assert side * (found.position[0] - 0.12) < 2e-2 * compliance / 1e-6
+    assert np.ptp(found.position) < 1e-12
+    measured = np.full(51, 0.12 + side * 1e-3)
+    again = simulate(model, time=time, current=current, measured=measured, reanchor=0.5)
+    assert np.ptp(again.position) < 1e-12
 
 
 def test_a_settled_loop_with_it_has_no_closed_form():

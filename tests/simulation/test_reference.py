@@ -79,6 +79,16 @@ def test_odd_valve_is_the_same_in_plain_python(values):
     assert difference(base_model(**values), time, current) < 1e-13
 
 
+@pytest.mark.parametrize("stop", [{}, {"stop_compliance": 2e-7}], ids=["dead", "elastic"])
+def test_play_that_closes_on_the_way_to_a_stop_is_the_same_in_plain_python(stop):
+    """Long periods, in which the stem takes up the play and comes to the stop in one slip."""
+    model = base_model().with_effect("end_stop", upper_stop=0.13, lower_stop=0.11, **stop)
+    model = model.with_effect("linkage_backlash", backlash_half_width=4e-3)
+    model = model.with_effect("sensor_lag", sensor_time_constant=0.05)
+    time = np.arange(12) / 20.0
+    assert difference(model, time, np.where(np.arange(12) % 4 < 2, 19e-3, 5e-3)) < EXACT
+
+
 INTEGRATED = (
     "coil_lag", "gap_drift", "chamber_filling", "asymmetric_filling", "supply_droop", "stribeck",
     "position_dependent_friction", "presliding", "spring_hardening", "load_force", "friction_drift",

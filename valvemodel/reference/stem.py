@@ -92,6 +92,17 @@ class Span:
         return min(max(position, self.lowest), self.highest)
 
 
+def held_by_stops(n: SimpleNamespace, position: float, pressure: float) -> float:
+    """Return a position, no deeper in a stop that gives way than where friction holds a resting stem. [m]"""
+    span = Span(n, position, 0.0)
+    if span.stop == inf:
+        return position
+    side = 1.0 if position > span.stop else -1.0
+    holding = breakaway_ratio(n) * coulomb_friction(n, -side, span.stop, pressure, 0.0)
+    force = max(side * thrust(n, span.stop, pressure, 0.0) + holding, 0.0)
+    return span.stop + side * min(side * (position - span.stop), force / (n.spring_rate + 1.0 / n.stop_compliance))
+
+
 def is_blocked(n: SimpleNamespace, position: float, side: float) -> bool:
     """Return whether an end of the travel bars the way to a side."""
     return position >= highest_position(n) if side > 0.0 else position <= lowest_position(n)

@@ -11,7 +11,7 @@ from valvemodel.reference.curved import CurvedStem, curves, varies
 from valvemodel.reference.electromagnet import Electromagnet
 from valvemodel.reference.motion import Stem
 from valvemodel.reference.sensor import Sensor, straightened, zero_drift
-from valvemodel.reference.stem import STOP_SPEED, balanced_position
+from valvemodel.reference.stem import STOP_SPEED, balanced_position, held_by_stops
 
 
 class Valve:
@@ -25,6 +25,7 @@ class Valve:
         position = balanced_position(numbers, self.pressure)
         if not isnan(start_reading):
             position = straightened(numbers, start_reading - zero_drift(numbers, 0.0))
+            position = held_by_stops(numbers, position, self.pressure)
         self.stem = stem_of(numbers, position, self.pressure)
         self.sensor = Sensor(numbers, self.stem.position)
         # The linkage may start anywhere in its play.

@@ -361,7 +361,8 @@ def advance_slip(p, state, pressure, duration, breaks_away):
         way = yv * speed + ya * start
         next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     room = room_to(state, side)
-    if not way <= room:
+    contact = way_to_contact(p, state, side) if has_lag(p) else math.inf
+    if not way <= room and not TOUCHING < contact < room:
         return hit_limit(p, state, mass, viscous, stiffness, speed, start, room, step)
     is_slow = next_speed < p.stick_speed and (not has_stopped or next_acceleration > -state.plan_hard_stop)
     if is_slow and state.plan_elastic == 0.0 and next_acceleration < 0.0:
@@ -374,14 +375,12 @@ def advance_slip(p, state, pressure, duration, breaks_away):
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
             way = yv * speed + ya * start
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
-    if has_lag(p):
-        contact = way_to_contact(p, state, side)
-        if TOUCHING < contact < way:
-            # The play closes: the transmitter follows only from here on.
-            step = time_of_way(mass, viscous, stiffness, speed, start, contact, step)
-            vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
-            way, has_stopped = contact, False
-            next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
+    if TOUCHING < contact < way:
+        # The play closes: the transmitter follows only from here on.
+        step = time_of_way(mass, viscous, stiffness, speed, start, contact, step)
+        vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
+        way, has_stopped = contact, False
+        next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     leave_trace(state, mass, viscous, stiffness, speed, start, next_speed, next_acceleration)
     state.position = position + side * way
     state.velocity = side * max(next_speed, 0.0)

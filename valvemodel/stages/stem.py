@@ -537,6 +537,20 @@ def free_travel(p):
 
 
 @compiled
+def held_by_stops(p, position, pressure, time):
+    """Return a position, no deeper in a stop that gives way than where friction holds the stem. [m]"""
+    if p.stop_compliance == 0.0:
+        return position
+    stiffness = p.spring_rate + 1.0 / p.stop_compliance
+    for side, stop in ((RISING, p.upper_stop), (FALLING, p.lower_stop)):
+        if side * position > side * stop:
+            held = breakaway_ratio(p) * sliding_friction(p, -side, stop, pressure, time)
+            deepest = max(side * thrust(p, stop, pressure, time) + held, 0.0) / stiffness
+            return stop + side * min(side * (position - stop), deepest)
+    return position
+
+
+@compiled
 def lay_span(p, state, side):
     """Write down between which positions one law of force holds: off the stops that give way, or against one."""
     state.span_lowest, state.span_highest = state.plan_lowest, state.plan_highest
@@ -607,6 +621,7 @@ def rest_stem(p, state, pressure, time):
 def put_stem(p, state, position, pressure, time):
     """Put the stem at rest at a position within its travel; bristles carry the thrust as far as they can."""
     position = min(max(position, lowest_position(p)), highest_position(p))
+    position = held_by_stops(p, position, pressure, time)
     state.position = position
     state.velocity = 0.0
     state.mode = STUCK

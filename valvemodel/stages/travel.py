@@ -104,7 +104,7 @@ def first_event(p, state, memory, count, ended, room, contact):
             lowest = lowest_place(memory, count, node)
             if value_at(count, memory.powers, lowest) <= 0.0:
                 return STOP, node - 1.0, lowest
-        # A slip that stops may have gone past either on the way to its stop.
+        # A slip that ends otherwise may have gone past the end of its travel, or a contact, on the way there.
         if (node <= last or ended != LIMIT) and not way <= room:
             return LIMIT, node - 1.0, float(node)
         if (node <= last or ended != CONTACT) and TOUCHING < contact < way and memory.ways[node - 1] < contact:
