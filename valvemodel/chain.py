@@ -269,7 +269,8 @@ def anchor_stem(p, state, reading, time):
     shift = unbow(p, reading - sensor_drift(p, time)) - state.linkage
     if abs(shift) <= p.anchor_tolerance:
         return
-    shift = held_by_stops(p, state.position + shift, state.pressure, time) - state.position
+    if p.stop_compliance > 0.0:
+        shift = held_by_stops(p, state.position + shift, state.pressure, time) - state.position
     state.position += shift
     lay_span(p, state, state.mode)
     shift_linkage(state, shift)

@@ -69,6 +69,13 @@ def test_a_stop_is_met_beside_an_effect_that_shortens_the_travel(seed, other):
     assert np.sqrt(np.mean((stopped - free)[later] ** 2)) > plant.noise
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_how_far_a_reading_comes_is_taken_of_the_whole_record_but_its_beginning(side):
+    """It begins beyond what it reaches again, and is farthest on the other side in its last stroke."""
+    trace = side * np.array([1.0, 0.9, 0.1, 0.5, 0.8, 0.2, 0.7, 0.0, 0.4])
+    assert side * plants._reached(trace, side) == 0.8
+
+
 def test_base_does_not_depend_on_the_effects():
     assert draw_plant(8, ("coil_lag",)).base == draw_plant(8, ("sensor_lag", "end_stop")).base
 
