@@ -300,11 +300,20 @@ EFFECTS = (
         equation=r"y_{lo} \le y \le y_{hi}; \quad C > 0: F = (y - y_{hi})/C \text{ where } y > y_{hi}",
         source="mechanical stop: inelastic, or a linear contact spring 1/C (Kelvin-Voigt with the stem's damping)",
         parameters=(
-            Parameter("upper_stop", "m", "highest position", 0.0, 1.0, math.inf, ("highest_reading",), typical=0.2),
+            Parameter(
+                "upper_stop",
+                "m",
+                "highest position, or where the stop begins to give way",
+                0.0,
+                1.0,
+                math.inf,
+                ("highest_reading",),
+                typical=0.2,
+            ),
             Parameter(
                 "lower_stop",
                 "m",
-                "lowest position",
+                "lowest position, or where the stop begins to give way",
                 -0.5,
                 0.5,
                 -math.inf,
