@@ -22,6 +22,7 @@ from diagnosis.standing import (
     with_better,
 )
 from diagnosis.trying import Candidate, Progress, Work, promises, sharpen_all, try_all, try_in_turn
+from identification.experiment import are_loops
 from identification.fit import Fit
 from identification.hints import begins_at_periods
 from identification.holdout import Holdout
@@ -150,6 +151,6 @@ def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:
     """Return the effects, of those named or of all, that the records can show: settled loops none that acts in time."""
-    is_loop = all(experiment.is_loop for experiment in holdout.experiments)
+    is_loop = are_loops(holdout.experiments)
     named = EFFECTS if keys is None else [effect_of_key(key) for key in dict.fromkeys(keys)]
     return [effect for effect in named if not (is_loop and effect.acts_in_time)]

@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from identification.experiment import Experiment
+from identification.experiment import Experiment, are_loops
 from identification.extension import extend
 from identification.fit import Fit, Masks, base_and_start_unknowns, base_box, finished, fit_base, measured
 from identification.hints import starts_of
@@ -76,7 +76,7 @@ def fit_exact(
 def fit_jointly(problem: Problem, box: Box) -> Fit:
     """Fit all unknowns of a problem at once; a loop, whose runs are short, is searched about to the end."""
     fit = finished(problem, search_wide(problem, box, is_jagged=True))
-    return sharpened(fit) if all(experiment.is_loop for experiment in problem.experiments) else fit
+    return sharpened(fit) if are_loops(problem.experiments) else fit
 
 
 def joint_problems(
@@ -88,7 +88,7 @@ def joint_problems(
         extended, added, sides = model, [], []
         for key, starts in zip(effects, forms, strict=True):
             extended = extended.with_effect(key, **starts[0])
-            own = effect_unknowns(key, starts[0])
+            own = effect_unknowns(key, starts[0], of_loops=are_loops(experiments))
             neutral = {each.name: each.neutral for each in effect_of_key(key).parameters}
             for unknown in own:
                 reach = [unknown.scaled(start[unknown.name]) for start in (neutral, *starts)]

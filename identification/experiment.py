@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -249,6 +250,11 @@ def simulate_rows(
     in_parts(run, len(rows))
     position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
     return Simulated(position, pressure, mode, step, smooth)
+
+
+def are_loops(experiments: Sequence[Experiment]) -> bool:
+    """Return whether all experiments are settled loops, which show nothing that acts in time."""
+    return all(experiment.is_loop for experiment in experiments)
 
 
 def _without_steps(experiment: Experiment, rows: np.ndarray) -> tuple[float, float]:

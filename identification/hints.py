@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from identification.experiment import Experiment
+from identification.experiment import Experiment, are_loops
 from identification.noise import reading_grid
 from valvemodel.declarations import Effect, Parameter
 
@@ -38,9 +38,10 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
         Measured less simulated position, one for each experiment, NaN where nothing counts.
     """
     choices = {each.name: _choices(each, experiments, residuals) for each in effect.parameters}
-    endless = [each.name for each in effect.parameters if effect.is_one_of and math.isinf(each.neutral)]
+    choices |= {each.name: [each.neutral] for each in effect.parameters if each.acts_in_time and are_loops(experiments)}
+    endless = {each.name: [each.neutral] for each in effect.parameters if effect.is_one_of and math.isinf(each.neutral)}
     for acting in endless or [""]:
-        idle = {each.name: [each.neutral] for each in effect.parameters if each.name in endless and each.name != acting}
+        idle = {name: neutral for name, neutral in endless.items() if name != acting}
         for combination in product(*(choices | idle).values()):
             yield dict(zip(choices, combination, strict=True))
 

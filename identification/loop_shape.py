@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from identification.experiment import Experiment
+from identification.experiment import Experiment, are_loops
 from identification.fit import Fit, finished
 from identification.search import Found
 from identification.uncertainty import blocks_of, covariance
@@ -67,7 +67,7 @@ def usual_step(experiments: Sequence[Experiment]) -> float:
 def shape_of_fit(fit: Fit) -> FittedShape | None:
     """Return the shape in the middle of the readings, or None where it is no loop or has no closed form."""
     experiments = fit.problem.experiments
-    if not all(experiment.is_loop for experiment in experiments) or not settles_in_closed_form(fit.model):
+    if not are_loops(experiments) or not settles_in_closed_form(fit.model):
         return None
     readings = np.concatenate([experiment.position[np.isfinite(experiment.position)] for experiment in experiments])
     middle = 0.5 * float(readings.max() + readings.min())

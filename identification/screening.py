@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from identification.experiment import are_loops
 from identification.fit import Fit
 from identification.hints import begins_at_periods, is_periodic, nearby, starts_of
 from identification.load_series import series_over, sizes_of
@@ -178,7 +179,7 @@ def changes_by(
 
 def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:
     """Return the problem with an effect's unknowns added, and its scaled point at a start of theirs."""
-    added = effect_unknowns(effect.key, start)
+    added = effect_unknowns(effect.key, start, of_loops=are_loops(problem.experiments))
     extended = replace(
         problem,
         model=problem.model.with_effect(effect.key, **start),

@@ -91,18 +91,18 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
     return unknowns
 
 
-def effect_unknowns(key: str, start: dict[str, float]) -> list[Unknown]:
+def effect_unknowns(key: str, start: dict[str, float], *, of_loops: bool = False) -> list[Unknown]:
     """Return the free parameters of an effect that starts somewhere; infinite ones and an idle series stay neutral.
 
-    Of a series that starts off neutral only the sizes move. Their spread is their root mean square at the start: the
-    weak prior holds them to that.
+    So do, in a fit to settled loops, those that act in time. Of a series that starts off neutral only the sizes move.
+    Their spread is their root mean square at the start: the weak prior holds them to that.
     """
-    effect = effect_of_key(key)
-    series = [start[each.name] for each in effect.fitted if each.is_higher and start[each.name] != each.neutral]
+    fitted = [each for each in effect_of_key(key).fitted if not (of_loops and each.acts_in_time)]
+    series = [start[each.name] for each in fitted if each.is_higher and start[each.name] != each.neutral]
     if not series:
-        return [unknown_of(each) for each in effect.fitted if math.isfinite(start[each.name]) and not each.is_higher]
+        return [unknown_of(each) for each in fitted if math.isfinite(start[each.name]) and not each.is_higher]
     size = math.sqrt(sum(value * value for value in series) / len(series))
-    sizes = [each for each in effect.fitted if each.scale == "linear" and start[each.name] != each.neutral]
+    sizes = [each for each in fitted if each.scale == "linear" and start[each.name] != each.neutral]
     return [replace(unknown_of(each), spread=size, is_higher=each.is_higher) for each in sizes]
 
 

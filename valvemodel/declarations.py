@@ -25,7 +25,8 @@ class Parameter:
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
     fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
     numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
-    came later than its effect: a file that does not name it means its typical value.
+    came later than its effect: a file that does not name it means its typical value. `acts_in_time` marks one that
+    a fit to settled loops keeps neutral, as their closed form is without it.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Parameter:
     prior_spread: float = 1.0
     is_higher: bool = False
     is_later: bool = False
+    acts_in_time: bool = False
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name

@@ -41,6 +41,16 @@ def test_width_slope_and_height_of_a_noisy_loop() -> None:
         assert 0.0 < loop[name]["std"] < 0.01 * getattr(shape, name)
 
 
+def test_a_stop_is_found_in_a_loop_as_a_dead_one() -> None:
+    """How a stem goes into a stop that gives way is no closed form: a loop is settled without."""
+    outcome = fitted(calibrated().with_effect("end_stop", upper_stop=0.19), noise=0.002, effects=("end_stop",))
+    found = outcome.as_json()
+    assert outcome.model.effects["end_stop"]["upper_stop"] == pytest.approx(0.19, abs=1e-3)
+    assert outcome.model.effects["end_stop"]["stop_compliance"] == 0.0
+    assert found["loop"]["width"]["std"] > 0.0
+    assert all(each.name != "stop_compliance" for each in outcome.parameters)
+
+
 def test_what_an_overdamped_loop_does_not_determine_is_said() -> None:
     outcome = fitted(calibrated(), noise=0.002)
     assert {"stem_mass", "viscous_friction"} <= set(outcome.open)

@@ -329,6 +329,7 @@ EFFECTS = (
                 0.0,
                 (0.0, 2e-7),
                 is_later=True,
+                acts_in_time=True,
             ),
         ),
         is_one_of=True,
