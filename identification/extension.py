@@ -148,7 +148,7 @@ def extended(
     follows_all: bool = False,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
-    if fit.problem.is_in_steps and fit.problem.within > 0.0:
+    if fit.problem.is_in_steps:
         return beside_steps(fit, effect, known, is_global=is_global, promise=promise, follows_all=follows_all)
     if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
         return finished(*beside(fit, effect, kin, known))

@@ -145,7 +145,7 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     problem : Problem
     start : array, shape (unknowns,)
     """
-    if not problem.is_in_steps or problem.within == 0.0:
+    if not problem.is_in_steps:
         return descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION)
     point, follow = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
     for within in NARROWER:

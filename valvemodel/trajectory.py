@@ -15,6 +15,7 @@ from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.parameters import EVENT, MEMORY, SAMPLE, STATE
 from valvemodel.plots import Plotted
+from valvemodel.stages.stem import highest_position, lowest_position
 
 if TYPE_CHECKING:
     import pandas
@@ -183,18 +184,14 @@ class Trajectory(Shown, Plotted):
     def events(self) -> Events:
         """Every breakaway, stop, reversal, impact and release at its own instant."""
         _, _, found = self.setting.trace(self.time, self.current, np.empty(0), EVENT_ROOM)
-        numbers = self.setting.model.numbers
-        highest, lowest = numbers["travel_max"], numbers["travel_min"]
-        if numbers.get("stop_compliance", 0.0) == 0.0:
-            highest = min(highest, numbers.get("upper_stop", math.inf))
-            lowest = max(lowest, numbers.get("lower_stop", -math.inf))
+        row = self.setting.model.rows()[0]
+        highest, lowest = highest_position(row), lowest_position(row)
         found = _without_instant_rests(found)
         kind = np.where(found["mode_after"] == 0.0, "stop", "reversal")
         at_end = np.where(found["mode_before"] > 0.0, found["position"] >= highest, found["position"] <= lowest)
         kind = np.where(at_end, "impact", kind)
         kind = np.where(found["mode_before"] == 0.0, "breakaway", kind)
-        upper, lower = (numbers.get(name, math.nan) for name in ("upper_stop", "lower_stop"))
-        meets_stop = found["position"] == np.where(found["mode_after"] > 0.0, upper, lower)
+        meets_stop = found["position"] == np.where(found["mode_after"] > 0.0, row["upper_stop"], row["lower_stop"])
         goes_on = found["mode_after"] == found["mode_before"]
         kind = np.where(goes_on, np.where(meets_stop, "impact", "release"), kind)
         return Events(found["time"], kind, found["position"], found["speed_before"])

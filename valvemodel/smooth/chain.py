@@ -124,7 +124,7 @@ class SmoothChain:
         p.is_affine = self.model.values["pressure_per_current"] > 0.0
         yields = self.model.numbers.get("stop_compliance", 0.0) > 0.0
         p.contacts = [each for each in CONTACTS if yields and each[1] in self.parameters]
-        dead = [name for name in self.parameters if all(name != each for _, each in p.contacts)]
+        dead = set(self.parameters) - {name for _, name in p.contacts}
         p.highest = [name for name in ("travel_max", "upper_stop") if name in dead]
         p.lowest = [name for name in ("travel_min", "lower_stop") if name in dead]
         p.smoothing_length = p.smoothing_width / p.spring_rate

@@ -57,9 +57,10 @@ def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duratio
         motion = transition(p.stem_mass, damping(p, side), stiffness(p, side, x.position, pressure, time), duration)
         advance_presliding(p, x, net, limit, motion, duration)
     else:
-        push = thrust(p, x.position, pressure, time) + contact_force(p, x.position)
-        rising, falling = (sliding_friction(p, side, x.position, pressure, time) for side in (1.0, -1.0))
-        settle_contact(p, x, push, rising, falling)
+        if p.contacts:
+            push = thrust_off_stops(p, x.position, pressure, time)
+            rising, falling = (sliding_friction(p, side, x.position, pressure, time) for side in (1.0, -1.0))
+            settle_contact(p, x, push, rising, falling)
         slips = time_in_slip(p, x, pressure, time, duration)
         move(p, x, pressure, time, slips, ca.sign(x.velocity), breaks_away=False)
         resting_side = ca.sign(thrust(p, x.position, pressure, time))
@@ -121,6 +122,11 @@ def weakened(p: Any, velocity: Expression) -> Expression:
 
 def thrust(p: Any, position: Expression, pressure: Expression, time: Expression) -> Expression:
     """Return the force that drives the stem, all but friction. [N]"""
+    return thrust_off_stops(p, position, pressure, time) - contact_force(p, position)
+
+
+def thrust_off_stops(p: Any, position: Expression, pressure: Expression, time: Expression) -> Expression:
+    """Return that force without the one of stops that give way. [N]"""
     force = driving_force(pressure, position, p.diaphragm_area, p.spring_rate, p.spring_preload)
     if "area_variation" in p.effects:
         force += p.diaphragm_area * pressure * position * (p.area_slope + p.area_curvature * position)
@@ -132,7 +138,7 @@ def thrust(p: Any, position: Expression, pressure: Expression, time: Expression)
         for wave in range(2, p.waves + 1):
             sine, cosine = getattr(p, f"load_sine_{wave}"), getattr(p, f"load_cosine_{wave}")
             force += sine * ca.sin(wave * angle) + cosine * ca.cos(wave * angle)
-    return force - contact_force(p, position)
+    return force
 
 
 def stiffness(p: Any, side: Expression, position: Expression, pressure: Expression, time: Expression) -> Expression:
