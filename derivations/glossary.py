@@ -154,8 +154,11 @@ _EFFECTS = (
     Letter("n_p", "friction_pressure_order", "1", "power of the pressure"),
     Letter("u_y", "speed", "m/s", "speed of the stem along its motion"),
     Letter("r_s", "stribeck_ratio", "1", "friction at speed 0 over Coulomb friction"),
-    Letter("v_b", "stribeck_velocity", "m/s", "speed at which the drop has fallen to 1/e"),
-    Letter("n_s", "stribeck_shape", "1", "1 falls exponentially, 2 as a bell"),
+    Letter(
+        "v_b", "stribeck_velocity", "m/s", "speed at which the drop has fallen to 1/e; half of a tail is left there"
+    ),
+    Letter("n_s", "stribeck_shape", "1", "1 falls at once, 2 as a bell"),
+    Letter("t_s", "stribeck_tail", "1", "share of the drop that falls as a fraction, not exponentially", "any"),
     Letter("h_l", "linkage_bow", "m", "bow in the middle of the travel", "any"),
     Letter("s_l", "linkage_skew", "m", "swing between the halves of the travel", "any"),
     Letter("L", "rated_travel", "m", "travel from 0 to 100 %"),

@@ -11,9 +11,9 @@ from derivations.glossary import symbol, symbols
 from derivations.nozzle import normalised_inflow
 
 _PARTS = (
-    "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "share_of_travel",
-    "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope", "arm_lever", "arm_centre",
-    "arm_way", "arm_spread",
+    "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "speed_power",
+    "power_slope", "share_slope", "share_of_travel", "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope",
+    "arm_lever", "arm_centre", "arm_way", "arm_spread",
 )  # fmt: skip
 (
     ABOVE,
@@ -21,6 +21,9 @@ _PARTS = (
     RELATIVE,
     DISTANCE,
     RELATIVE_SPEED,
+    SPEED_POWER,
+    POWER_SLOPE,
+    SHARE_SLOPE,
     TRAVEL_SHARE,
     BOW_SLOPE,
     SKEW_SLOPE,
@@ -107,16 +110,23 @@ def rows() -> Iterator[tuple[Any, ...]]:
         "Slope of the Coulomb friction in the pressure.", "pressure_dependent_friction, differentiated", "m^2",
         ((PRESSURE_SHARE.name, symbol("P_b") / symbol("P_1")),),
     )  # fmt: skip
-    relative_speed = ((RELATIVE_SPEED.name, symbol("u_y") / symbol("v_b")),)
+    faster = (
+        (RELATIVE_SPEED.name, symbol("u_y") / symbol("v_b")),
+        (SPEED_POWER.name, RELATIVE_SPEED ** symbol("n_s")),
+    )
     yield (
-        "stribeck_factor", "stem", "u_y r_s v_b n_s", stribeck_factor(),
-        "Friction in slip over Coulomb friction.", "stribeck", "1", relative_speed,
+        "stribeck_factor", "stem", "u_y r_s v_b n_s t_s", stribeck_factor(),
+        "Friction in slip over Coulomb friction.", "stribeck", "1", faster,
     )  # fmt: skip
     yield (
-        "stribeck_factor_by_speed", "stem", "u_y r_s v_b n_s",
-        sp.powsimp(sp.diff(stribeck_factor(), RELATIVE_SPEED)) / symbol("v_b"),
+        "stribeck_factor_by_speed", "stem", "u_y r_s v_b n_s t_s",
+        (symbol("r_s") - 1) * SHARE_SLOPE * POWER_SLOPE / symbol("v_b"),
         "Slope of that factor in the speed, negative.", "stribeck, differentiated", "s/m",
-        (*relative_speed, ("excess", stribeck_factor() - 1)),
+        (
+            *faster,
+            (POWER_SLOPE.name, sp.powsimp(sp.diff(faster[1][1], RELATIVE_SPEED))),
+            (SHARE_SLOPE.name, sp.diff(stribeck_share(), SPEED_POWER)),
+        ),
     )  # fmt: skip
     yield (
         "reading_by_position", "sensor", "y h_l s_l L",
@@ -219,8 +229,13 @@ def seal_friction() -> sp.Expr:
 
 def stribeck_factor() -> sp.Expr:
     """Friction falls from breakaway to Coulomb as the stem speeds up."""
-    ratio, shape = symbols("r_s n_s")
-    return 1 + (ratio - 1) * sp.exp(-(RELATIVE_SPEED**shape))
+    return 1 + (symbol("r_s") - 1) * stribeck_share()
+
+
+def stribeck_share() -> sp.Expr:
+    """What is left of that drop, exponential or with Hess and Soom's tail."""
+    tail = symbol("t_s")
+    return (1 - tail) * sp.exp(-SPEED_POWER) + tail / (1 + SPEED_POWER)
 
 
 def bow_by_share(amount: sp.Symbol) -> sp.Expr:

@@ -43,7 +43,9 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
     for acting in endless or [""]:
         idle = {name: neutral for name, neutral in endless.items() if name != acting}
         for combination in product(*(choices | idle).values()):
-            yield dict(zip(choices, combination, strict=True))
+            start = dict(zip(choices, combination, strict=True))
+            if not effect.laws or any(law.items() <= start.items() for law in effect.laws):
+                yield start
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

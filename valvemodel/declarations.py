@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from valvemodel.errors import unknown_name
 
@@ -77,8 +78,9 @@ class Effect:
     another effect may take ten times as long as others. `is_one_of` says that of the parameters that are neutral at
     infinity one at a time acts; `acts_in_time` that a settled loop cannot show it; `stops_again` that it can show as a
     stem (for the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any,
-    that is the breakaway force over Coulomb friction. `aliases` are the effects (or `none`) whose trace comes close in
-    current and position; `told_apart_by`, one phrase, is what would tell them apart.
+    that is the breakaway force over Coulomb friction. `laws` are the values of the choices of law that go together in a
+    search, all combinations of them where none is named. `aliases` are the effects (or `none`) whose trace comes close
+    in current and position; `told_apart_by`, one phrase, is what would tell them apart.
     """
 
     key: str
@@ -95,6 +97,7 @@ class Effect:
     acts_in_time: bool = False
     stops_again: bool = False
     breakaway: str = ""
+    laws: tuple[Mapping[str, float], ...] = field(default=(), hash=False)
     aliases: tuple[str, ...] = ()
     told_apart_by: str = ""
 

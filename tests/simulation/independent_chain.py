@@ -162,8 +162,13 @@ class IndependentChain:
 
     def limit(self, time, y, pressure, side, speed):
         """What the bristles approach."""
-        decay = self.stribeck_velocity if self.stribeck_ratio > 1.0 else 1e-3
-        return self.coulomb(time, y, pressure, side) * (1.0 + (self.ratio - 1.0) * math.exp(-abs(speed) / decay))
+        share = self.fallen(abs(speed)) if self.stribeck_ratio > 1.0 else math.exp(-abs(speed) / 1e-3)
+        return self.coulomb(time, y, pressure, side) * (1.0 + (self.ratio - 1.0) * share)
+
+    def fallen(self, speed):
+        """How much of the drop from breakaway is left, by Stribeck or Hess and Soom."""
+        u = abs(max(speed / self.stribeck_velocity, -0.5)) ** self.stribeck_shape
+        return math.exp(-u) + self.stribeck_tail * (1.0 / (1.0 + u) - math.exp(-u))
 
     def rates(self, time, x, current):
         rates, pressure = self.upstream(time, x, current)
@@ -176,9 +181,7 @@ class IndependentChain:
                 limit = self.limit(time, y, pressure, side, v)
                 rates[BRISTLE] = v / self.presliding_compliance * (1.0 - side * x[BRISTLE] / limit)
             else:
-                falling = (self.stribeck_ratio - 1.0) * math.exp(
-                    -(abs(max(side * v, -self.stribeck_velocity) / self.stribeck_velocity) ** self.stribeck_shape)
-                )
+                falling = (self.stribeck_ratio - 1.0) * self.fallen(side * v)
                 drive -= side * self.coulomb(time, y, pressure, side) * (1.0 + falling)
             rates[STEM], rates[SPEED] = v, drive / self.stem_mass
         if self.sensor_time_constant > 0.0:

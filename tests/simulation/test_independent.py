@@ -47,6 +47,20 @@ def test_bouc_and_wen_behind_a_coil_that_lags_is_within_its_tolerance():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 
 
+@pytest.mark.parametrize("shape", [1.0, 2.0])
+@pytest.mark.parametrize("keys", [(), ("coil_lag",), ("sensor_lag",), ("friction_drift",)], ids=" ".join)
+def test_friction_that_falls_with_a_tail_is_within_its_tolerance(keys, shape):
+    law = {"stribeck_ratio": 1.4, "stribeck_velocity": 8e-3, "stribeck_shape": shape, "stribeck_tail": 1.0}
+    model = with_effects(base_model(), *keys).with_effect("stribeck", **law)
+    time, current = ramps_and_steps(seconds=3.0, seed=1)
+    row = model.rows()[0]
+    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    for tolerance, bound in BOUNDS.items():
+        # What a step is off grows while the friction falls.
+        allowed = bound if tolerance == TOLERANCE else 3.0 * bound
+        assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < allowed, tolerance
+
+
 def test_progressive_spring_is_within_its_tolerance():
     model = base_model().with_effect("spring_hardening", spring_hardening=2.0, spring_progression=1.0)
     time, current = ramps_and_steps(seconds=3.0, seed=1)

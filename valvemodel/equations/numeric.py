@@ -596,33 +596,38 @@ def seal_friction_by_pressure(pressure, friction_area, friction_pressure_order, 
     return friction_area * friction_pressure_order * share_of_supply ** (friction_pressure_order - 1)
 
 
-def stribeck_factor(speed, stribeck_ratio, stribeck_velocity, stribeck_shape):
+def stribeck_factor(speed, stribeck_ratio, stribeck_velocity, stribeck_shape, stribeck_tail):
     """Friction in slip over Coulomb friction.
 
     Effect stribeck. Returns [1].
 
     speed : speed of the stem along its motion. [m/s]
     stribeck_ratio : friction at speed 0 over Coulomb friction. [1]
-    stribeck_velocity : speed at which the drop has fallen to 1/e. [m/s]
-    stribeck_shape : 1 falls exponentially, 2 as a bell. [1]
+    stribeck_velocity : speed at which the drop has fallen to 1/e; half of a tail is left there. [m/s]
+    stribeck_shape : 1 falls at once, 2 as a bell. [1]
+    stribeck_tail : share of the drop that falls as a fraction, not exponentially. [1]
     """
     relative_speed = speed / stribeck_velocity
-    return (stribeck_ratio - 1) * np.exp(-(relative_speed**stribeck_shape)) + 1
+    speed_power = relative_speed**stribeck_shape
+    return (stribeck_ratio - 1) * (stribeck_tail / (speed_power + 1) + (1 - stribeck_tail) * np.exp(-speed_power)) + 1
 
 
-def stribeck_factor_by_speed(speed, stribeck_ratio, stribeck_velocity, stribeck_shape):
+def stribeck_factor_by_speed(speed, stribeck_ratio, stribeck_velocity, stribeck_shape, stribeck_tail):
     """Slope of that factor in the speed, negative.
 
     Effect stribeck, differentiated. Returns [s/m].
 
     speed : speed of the stem along its motion. [m/s]
     stribeck_ratio : friction at speed 0 over Coulomb friction. [1]
-    stribeck_velocity : speed at which the drop has fallen to 1/e. [m/s]
-    stribeck_shape : 1 falls exponentially, 2 as a bell. [1]
+    stribeck_velocity : speed at which the drop has fallen to 1/e; half of a tail is left there. [m/s]
+    stribeck_shape : 1 falls at once, 2 as a bell. [1]
+    stribeck_tail : share of the drop that falls as a fraction, not exponentially. [1]
     """
     relative_speed = speed / stribeck_velocity
-    excess = (stribeck_ratio - 1) * np.exp(-(relative_speed**stribeck_shape))
-    return -excess * stribeck_shape * relative_speed ** (stribeck_shape - 1) / stribeck_velocity
+    speed_power = relative_speed**stribeck_shape
+    power_slope = stribeck_shape * relative_speed ** (stribeck_shape - 1)
+    share_slope = -stribeck_tail / (speed_power + 1) ** 2 - (1 - stribeck_tail) * np.exp(-speed_power)
+    return power_slope * share_slope * (stribeck_ratio - 1) / stribeck_velocity
 
 
 def reading_by_position(position, linkage_bow, linkage_skew, rated_travel):

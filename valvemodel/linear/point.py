@@ -16,9 +16,6 @@ from valvemodel.stages import electromagnet, nozzle, sensor, stem
 SIDES = {"rising": 1.0, "falling": -1.0, "stuck": 0.0}
 """The direction of the stem in each mode."""
 
-BRISTLE_DECAY_SPEED = 1e-3
-"""Speed at which the bristles' limit has fallen to 1/e without a Stribeck effect, as in `stages.stem`. [m/s]"""
-
 
 @dataclass(frozen=True)
 class OperatingPoint:
@@ -73,12 +70,13 @@ def evaluate(function: Callable[..., float], numbers: Mapping[str, float], **giv
 
 
 def falling_friction(numbers: Mapping[str, float]) -> dict[str, float]:
-    """Return ratio, speed and shape by which friction falls in slip; elastic friction falls from F_s too."""
-    ratio, decay, shape = (numbers[f"stribeck_{name}"] for name in ("ratio", "velocity", "shape"))
+    """Return the numbers of `stribeck` by which friction falls in slip; elastic friction falls from F_s too."""
+    fall = {name: numbers[f"stribeck_{name}"] for name in ("ratio", "velocity", "shape", "tail")}
     if numbers["presliding_compliance"] > 0.0:
-        decay = decay if ratio > 1.0 else BRISTLE_DECAY_SPEED
-        ratio, shape = max(ratio, numbers["static_friction_ratio"]), 1.0
-    return {"stribeck_ratio": ratio, "stribeck_velocity": decay, "stribeck_shape": shape}
+        if not fall["ratio"] > 1.0:
+            fall |= {"velocity": stem.STATIC_DECAY, "shape": 1.0, "tail": 0.0}
+        fall["ratio"] = max(fall["ratio"], numbers["static_friction_ratio"])
+    return {f"stribeck_{name}": value for name, value in fall.items()}
 
 
 def operating_point(model: Model, *, current: float, mode: str = "rising", speed: float = 0.0) -> OperatingPoint:

@@ -19,6 +19,7 @@ from valvemodel.reference.stem import (
     highest_position,
     is_blocked,
     lowest_position,
+    stribeck_share,
     thrust,
     velocity_at_end,
     viscous_friction,
@@ -135,8 +136,8 @@ def sliding_limit(n: SimpleNamespace, position: float, velocity: float, pressure
     """Return the friction that the bristles approach at a velocity. [N]"""
     side = copysign(1.0, velocity) if velocity else 0.0
     friction = coulomb_friction(n, side, position, pressure, time)
-    decay = n.stribeck_velocity if n.stribeck_ratio > 1.0 else STATIC_DECAY
-    return max(friction * (1.0 + (breakaway_ratio(n) - 1.0) * exp(-abs(velocity) / decay)), LEAST)
+    share = stribeck_share(n, velocity) if n.stribeck_ratio > 1.0 else exp(-abs(velocity) / STATIC_DECAY)
+    return max(friction * (1.0 + (breakaway_ratio(n) - 1.0) * share), LEAST)
 
 
 def one_way_parts(found: Flow, lasted: float) -> Iterator[tuple[Motion, float]]:

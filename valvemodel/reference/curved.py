@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, exp
+from math import ceil
 from types import SimpleNamespace
 
 from valvemodel.reference.air import Pressure, moves
@@ -19,6 +19,7 @@ from valvemodel.reference.stem import (
     highest_position,
     is_blocked,
     lowest_position,
+    stribeck_share,
     thrust,
     viscous_friction,
 )
@@ -94,9 +95,8 @@ class CurvedStem:
     def acceleration(self, instant: float, position: float, velocity: float) -> float:
         """Return the acceleration of a slip, eq. (6), friction falling with the speed (Stribeck). [m/s^2]"""
         n, side, time, pressure = self.numbers, self.side, self.time + instant, self.pressure(instant)
-        relative = (abs(velocity) / n.stribeck_velocity) ** n.stribeck_shape
         friction = coulomb_friction(n, side, position, pressure, time) * (
-            1.0 + (n.stribeck_ratio - 1.0) * exp(-relative)
+            1.0 + (n.stribeck_ratio - 1.0) * stribeck_share(n, velocity)
         )
         resisting = side * friction + viscous_friction(n, side) * velocity
         return (thrust(n, position, pressure, time) - resisting) / n.stem_mass

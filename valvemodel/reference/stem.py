@@ -54,6 +54,12 @@ def breakaway_ratio(n: SimpleNamespace) -> float:
     return max(n.static_friction_ratio, n.stribeck_ratio)
 
 
+def stribeck_share(n: SimpleNamespace, velocity: float) -> float:
+    """Return the share of the drop from breakaway to Coulomb friction that is left at a velocity."""
+    relative = (abs(velocity) / n.stribeck_velocity) ** n.stribeck_shape
+    return (1.0 - n.stribeck_tail) * exp(-relative) + n.stribeck_tail / (1.0 + relative)
+
+
 def viscous_friction(n: SimpleNamespace, side: float) -> float:
     """Return the viscous friction of a stem that moves to a side. [N s/m]"""
     return n.viscous_friction * (1.0 + n.viscous_asymmetry * side)

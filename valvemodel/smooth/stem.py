@@ -116,8 +116,9 @@ def friction(p: Any, x: Any, side: Expression, speed: Expression, pressure: Expr
 
 def weakened(p: Any, velocity: Expression) -> Expression:
     """Return the friction at a velocity over Coulomb's."""
-    speed = ca.sqrt(velocity * velocity + STOP_SPEED * STOP_SPEED) / p.stribeck_velocity
-    return 1.0 + (p.stribeck_ratio - 1.0) * ca.exp(-(speed**p.stribeck_shape))
+    relative = (ca.sqrt(velocity * velocity + STOP_SPEED * STOP_SPEED) / p.stribeck_velocity) ** p.stribeck_shape
+    share = (1.0 - p.stribeck_tail) * ca.exp(-relative) + p.stribeck_tail / (1.0 + relative)
+    return 1.0 + (p.stribeck_ratio - 1.0) * share
 
 
 def thrust(p: Any, position: Expression, pressure: Expression, time: Expression) -> Expression:

@@ -91,6 +91,7 @@ def plan_stem(p, state, tolerance):
         and state.plan_plain == 1.0
         and p.stribeck_ratio > 1.0
         and p.stribeck_shape == 1.0
+        and p.stribeck_tail == 0.0
         and p.stick_speed == STOP_SPEED
     )
     state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0

@@ -12,6 +12,9 @@ from valvemodel.stages.sliders import bend_sliders, has_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
 STUCK, RISING, FALLING = 0.0, 1.0, -1.0
+STATIC_DECAY = 1e-3
+"""Speed at which the static friction of bristles has fallen to 1/e of what it is above Coulomb's. [m/s]"""
+
 FARTHEST = 10.0
 """No stem goes farther, the bound of the travel limits; one that its spring does not hold ends here. [m]"""
 
@@ -56,8 +59,11 @@ EFFECTS = (
         stage="stem",
         title="Stribeck friction",
         meaning="friction falls from breakaway to Coulomb as the stem speeds up",
-        equation=r"F = F_c\,(1 + (r - 1) e^{-(|v|/v_s)^n})\,\mathrm{sign}(v)",
-        source="Stribeck (1902); Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994)",
+        equation=r"F = F_c\,(1 + (r - 1)\,((1 - t)\,e^{-u} + t/(1 + u)))\,\mathrm{sign}(v), \quad u = (|v|/v_s)^n",
+        source=(
+            "Stribeck (1902); Hess and Soom, J. Tribology 112 (1990), t; Armstrong-Helouvry, Dupont, Canudas de Wit, "
+            "Automatica 30 (1994)"
+        ),
         parameters=(
             Parameter(
                 "stribeck_ratio",
@@ -71,19 +77,26 @@ EFFECTS = (
             Parameter(
                 "stribeck_velocity",
                 "m/s",
-                "speed at which the drop has fallen to 1/e",
+                "speed at which the drop has fallen to 1/e; half of a tail is left there",
                 1e-4,
                 0.3,
                 5e-3,
                 (5e-3, 1.5e-3, 1.5e-2, 5e-2),
                 "log",
             ),
-            choice_of_law("stribeck_shape", "n: 1 falls exponentially, 2 as a bell", first=1.0, second=2.0),
+            choice_of_law("stribeck_shape", "n: 1 falls at once, 2 as a bell", first=1.0, second=2.0),
+            choice_of_law("stribeck_tail", "t: share that falls as a fraction, with a long tail, not exponentially"),
         ),
         is_jagged=True,
         is_chaotic=True,
         stops_again=True,
         breakaway="stribeck_ratio",
+        # A long tail without the bell is hardly told from a shorter one beside less viscous friction.
+        laws=(
+            {"stribeck_shape": 1.0, "stribeck_tail": 0.0},
+            {"stribeck_shape": 2.0, "stribeck_tail": 0.0},
+            {"stribeck_shape": 2.0, "stribeck_tail": 1.0},
+        ),
         aliases=("static_friction",),
         told_apart_by="ramps at several slow speeds",
     ),
@@ -581,22 +594,35 @@ def room_to(state, side):
 
 
 @compiled
-def stribeck_excess(p, coulomb, speed):
-    """Return the friction above Coulomb's at a speed. [N]"""
+def stribeck_share(p, speed):
+    """Return the share of the drop that is left at a speed."""
     # A trial may run past the stop; the friction goes on smoothly there.
-    relative = max(speed / p.stribeck_velocity, -1.0)
+    relative = max(speed / p.stribeck_velocity, -0.5)
     if p.stribeck_shape != 1.0:
         relative = abs(relative) ** p.stribeck_shape
-    return coulomb * (p.stribeck_ratio - 1.0) * math.exp(-relative)
+    share = math.exp(-relative)
+    if p.stribeck_tail != 0.0:
+        share += p.stribeck_tail * (1.0 / (1.0 + relative) - share)
+    return share
 
 
 @inlined
-def stribeck_slope(p, excess, speed):
+def stribeck_excess(p, coulomb, speed):
+    """Return the friction above Coulomb's at a speed. [N]"""
+    return coulomb * (p.stribeck_ratio - 1.0) * stribeck_share(p, speed)
+
+
+@compiled
+def stribeck_slope(p, coulomb, speed):
     """Return by how much that friction falls with the speed. [N s/m]"""
-    if p.stribeck_shape == 1.0:
-        return excess / p.stribeck_velocity
-    relative = abs(speed) / p.stribeck_velocity
-    return excess * p.stribeck_shape * relative ** (p.stribeck_shape - 1.0) / p.stribeck_velocity
+    relative, steepness = speed / p.stribeck_velocity, 1.0
+    if p.stribeck_shape != 1.0:
+        steepness = p.stribeck_shape * relative ** (p.stribeck_shape - 1.0)
+        relative = relative**p.stribeck_shape
+    share = math.exp(-relative)
+    if p.stribeck_tail != 0.0:
+        share += p.stribeck_tail * (1.0 / ((1.0 + relative) * (1.0 + relative)) - share)
+    return coulomb * (p.stribeck_ratio - 1.0) * share * steepness / p.stribeck_velocity
 
 
 @compiled
@@ -605,8 +631,9 @@ def limiting_friction(p, side, position, pressure, time, speed):
     friction = sliding_friction(p, side, position, pressure, time)
     ratio = breakaway_ratio(p)
     if ratio > 1.0:
-        decay_speed = p.stribeck_velocity if p.stribeck_ratio > 1.0 else 1e-3
-        friction *= 1.0 + (ratio - 1.0) * math.exp(-abs(speed) / decay_speed)
+        fast = abs(speed)
+        share = stribeck_share(p, fast) if p.stribeck_ratio > 1.0 else math.exp(-fast / STATIC_DECAY)
+        friction *= 1.0 + (ratio - 1.0) * share
     return max(friction, 1e-9)
 
 

@@ -66,8 +66,7 @@ def begin_step(p, state, memory, time):
         if p.bristle_damping > 0.0:
             damping += bristle_viscosity(p, bending)
     elif p.stribeck_ratio > 1.0:
-        excess = stribeck_excess(p, sliding_friction(p, side, position, pressure, time), speed)
-        damping -= stribeck_slope(p, excess, speed)
+        damping -= stribeck_slope(p, sliding_friction(p, side, position, pressure, time), speed)
     memory.step_damping, memory.step_stiffness = damping / mass, stiffness / mass
     memory.step_start = slip_force(p, state, memory, 0, position, speed) / mass
 
