@@ -8,13 +8,11 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
 from identification.breakaway import Line
-from identification.extension import slips_beside, slips_by
+from identification.extension import form_of, slips_beside, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
@@ -53,6 +51,16 @@ class Look:
     work: Work
     line: Line
     slips: list[SlipSearch]
+
+    @property
+    def bend(self) -> str:
+        """The effect that bends the line."""
+        return self.work.effects[0]
+
+    @property
+    def law(self) -> str:
+        """The law of the slips."""
+        return self.work.effects[-1]
 
     @property
     def error(self) -> float:
@@ -108,7 +116,7 @@ def beside_slips(
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
     # A line that one effect bends shows stairs, if it is not the law alone that does.
-    chosen = makers[:1] if line.is_explained else laws[:MAKERS]
+    chosen = (makers if line.is_explained else laws)[:MAKERS]
     looked, alone_at_slips = look_at_slips(bent, line, chosen, base.fit, pool, progress)
     if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS]]
@@ -126,40 +134,81 @@ def look_at_slips(
 ) -> tuple[list[Look], float]:
     """Return what laws on top of effects make of the slips, and the error of a law alone there.
 
-    Beside the effect with which the breakaways lie nearest to a line the laws are compared; beside the others that do
-    as well the better one is asked. Alone it is judged in the same way, on the line as it is.
+    Alone the law that came nearest is judged in the same way, on the line as it is.
     """
     progress("what sets how far the slips go", 0.0)
-
-    def look(chosen: Sequence[BentLine], beside: Sequence[Candidate]) -> list[Look]:
-        work = [Work(each.fit, (each.effect.key, *law.effects), True) for each in chosen for law in beside]
-        lines = [each.line for each in chosen for _ in beside]
-        return list(map(Look, work, lines, (pool.map if pool else map)(slips_of, work, lines)))
-
-    looked = look(bent[:1], laws)
-    law = laws[int(np.argmin([each.error for each in looked]))]
-    looked += look([each for n, each in enumerate(bent) if n and (n < BENDS or each.line.is_explained)], [law])
-    looked = looked_at_again(looked, pool)
-    alone = slips_of(Work(on_the_line(base.problem, line), law.effects, True), line)
-    return looked, alone[0].found.error if alone else math.inf
+    worth = [each for number, each in enumerate(bent) if number < BENDS or each.line.is_explained]
+    looks = look_beside(worth, [law.effects[0] for law in laws], pool)
+    alone = slips_of(Work(on_the_line(base.problem, line), (looks.nearest.law,), True), line)
+    return list(looks.found.values()), alone[0].found.error if alone else math.inf
 
 
-def looked_at_again(looked: Sequence[Look], pool: Executor | None) -> list[Look]:
-    """Return what was looked at, the law that came nearest tried again beside the other effects, near its numbers.
+def look_beside(bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None) -> Looks:
+    """Return what laws make of the slips beside effects that bend the line.
 
-    A search that did not come near them leaves an effect behind that is as good.
+    Beside the first effect the laws are compared, each in all its forms; beside the others the better one is searched
+    near its numbers. Where that comes nearest the laws are compared again: what is better beside a wrong effect need
+    not be.
     """
-    nearest = min(looked, key=lambda each: each.error)
-    others = [each for each in looked if each is not nearest and each.work.effects[-1] == nearest.work.effects[-1]]
-    if not nearest.slips:
-        return list(looked)
-    again = (pool.map if pool else map)(partial(slips_again, nearest.slips[0]), others)
-    rest = [each for each in looked if all(each is not other for other in others)]
-    better = [
-        replace(each, slips=sorted([*each.slips, *more], key=lambda one: one.found.error))
-        for each, more in zip(others, again, strict=True)
-    ]
-    return [*rest, *better]
+    looks = Looks(bent, laws, pool)
+    looks.compare(bent[0])
+    looks.follow()
+    nearest = looks.nearest
+    if nearest.bend != bent[0].effect.key:
+        looks.compare(next(each for each in bent if each.effect.key == nearest.bend))
+        if looks.nearest is not nearest:
+            looks.follow()
+    return looks
+
+
+class Looks:
+    """What laws make of the slips beside the effects that bend the line, as far as that was looked at."""
+
+    def __init__(self, bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None) -> None:
+        self.bent, self.laws, self.map = bent, laws, pool.map if pool else map
+        self.found: dict[tuple[str, ...], Look] = {}
+
+    @property
+    def nearest(self) -> Look:
+        """What came nearest."""
+        return min(self.found.values(), key=lambda each: each.error)
+
+    def compare(self, beside: BentLine) -> None:
+        """Search for each law in all its forms beside an effect."""
+        self.search([begun_look(beside, law) for law in self.laws])
+
+    def follow(self) -> None:
+        """Search for the law that came nearest beside the other effects, near its numbers.
+
+        A search that did not come near them leaves an effect behind that is as good. What has other numbers, or where
+        there are none to begin near, is searched for by itself.
+        """
+        nearest = self.nearest
+        others = [begun_look(each, nearest.law) for each in self.bent if each.effect.key != nearest.bend]
+        if nearest.slips:
+            again = self.map(partial(slips_again, nearest.slips[0]), others)
+            self.add([replace(look, slips=slips) for look, slips in zip(others, again, strict=True) if slips])
+        self.search([each for each in others if each.work.effects not in self.found])
+
+    def search(self, begun: Sequence[Look]) -> None:
+        """Search for the law of each look in all its forms."""
+        slips = self.map(slips_of, [each.work for each in begun], [each.line for each in begun])
+        self.add([replace(look, slips=found) for look, found in zip(begun, slips, strict=True)])
+
+    def add(self, looks: Sequence[Look]) -> None:
+        """Add what was looked at to what is known of the same effect and law: each form once, the best first."""
+        for look in looks:
+            law, known = effect_of_key(look.law), self.found.get(look.work.effects)
+            slips = sorted([*look.slips, *(known.slips if known else [])], key=lambda each: each.found.error)
+            best: dict[tuple[float, ...], SlipSearch] = {}
+            for each in slips:
+                best.setdefault(form_of(law, each.slips.problem), each)
+            self.found[look.work.effects] = replace(look, slips=list(best.values()))
+
+
+def begun_look(beside: BentLine, law: str) -> Look:
+    """Return a look at the slips that a law makes beside an effect, with nothing known yet."""
+    return Look(Work(beside.fit, (beside.effect.key, law), True), beside.line, [])
 
 
 def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:

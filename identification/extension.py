@@ -128,9 +128,8 @@ def extend(
         return extended(
             fit, effect, known, kin, is_global=is_global, worth=worth, promise=promise, follows_all=follows_all
         )
-    problem, best = search_near(begun)
-    stepped = finished(problem, descend_to_end(problem, best.point))
-    if effect.is_chaotic or stepped.found.error < LAWFUL * problem.noise_error:
+    stepped = finished(*search_near(begun))
+    if effect.is_chaotic or stepped.found.error < LAWFUL * stepped.problem.noise_error:
         return stepped
     # Breakaways of another law lie on no line.
     return min(stepped, extended(fit, effect, known, kin), key=lambda each: each.found.error)

@@ -12,7 +12,7 @@ from identification.breakaway import Line, breakaways_of, line_through, roamed
 from identification.pressures import told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
-from identification.search import Found, errors, roam_through
+from identification.search import Found, descend, descend_to_end, errors, roam_through
 from identification.wide import AT_NOISE
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -40,14 +40,17 @@ BEYOND = 0.5
 DAMPING = 1.2
 """Viscous friction is searched for within so many powers of e."""
 
-SIZE, GENERATIONS = 6, 15
-"""Points of the search for the slips for each number, and generations."""
+SIZE, GENERATIONS, GENERATIONS_IN_CLOSED_FORM = 6, 10, 30
+"""Points of the search for the slips for each number, and generations; more where a slip has a closed form."""
 
-KINDRED = 0.5
-"""Share of the slips' box, either way, within which another form of the effect is searched."""
+NEARBY = 0.5
+"""Share of the slips' box, either way, within which what was found is searched near."""
 
-KINDRED_SIZE, KINDRED_GENERATIONS = 5, 12
+NEARBY_SIZE, NEARBY_GENERATIONS = 5, 12
 """Points of that search for each number, and generations."""
+
+NEAR_AT_SLIPS = 2.0
+"""Error at the slips, over the best form's, up to which a form of an effect is searched near."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,10 @@ class Stage:
     generations: int
 
 
-AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.1, 4, 15)
+AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.04, 3, 15)
+
+follow = partial(descend, evaluations=12, precision=1e-3, renewed=2)
+"""How a search is followed down in between."""
 
 CLOSE_AT_SLIPS = 1.25
 """Factor within which the error of another form must come at the slips for that form to be followed."""
@@ -159,7 +165,7 @@ class SlipSearch:
 def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.ndarray]]) -> list[SlipSearch]:
     """Search for the numbers of an effect that makes the stem jump, each slip judged by itself; the best form first.
 
-    The line through the breakaways stays: few numbers are left, and their error has few minima.
+    The line through the breakaways stays: few numbers are left. Their error has side minima, and each form its own.
 
     Parameters
     ----------
@@ -168,9 +174,12 @@ def search_slips(effect: Effect, line: Line, forms: Sequence[tuple[Problem, np.n
     forms : sequence of (Problem, array)
         Problems with the effect, one for each form of it, and the scaled starts, shape (starts, unknowns).
     """
-    first = search_form(effect, line, *forms[0])
-    others = [search_kindred(first, problem) for problem, _ in forms[1:]]
-    return sorted([first, *others], key=lambda each: each.found.error)
+    begun = [search_form(effect, line, problem, starts) for problem, starts in forms]
+    within = NEAR_AT_SLIPS * min(each.found.error for each in begun)
+    found = [
+        searched_near(each, each.slips, each.found.point) if each.found.error <= within else each for each in begun
+    ]
+    return sorted(found, key=lambda each: each.found.error)
 
 
 def error_at_rests(problem: Problem, point: np.ndarray) -> float:
@@ -206,7 +215,7 @@ def search_form(effect: Effect, line: Line, problem: Problem, starts: np.ndarray
     centre[others] = [0.5 * (low + high) for low, high in widths[1:]]
     slips.hold(centre, problem.unknowns[ratio].scaled(1.0 + np.exp(0.5 * sum(widths[0]))))
     box = [(-0.5 * (high - low), 0.5 * (high - low)) for low, high in widths]
-    return searched(slips, box, centre, box, SIZE, GENERATIONS)
+    return searched(slips, box, centre, box, SIZE, GENERATIONS if effect.is_chaotic else GENERATIONS_IN_CLOSED_FORM)
 
 
 def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> tuple[Slips, np.ndarray]:
@@ -258,11 +267,6 @@ def searched(
     return SlipSearch(slips, box, found)
 
 
-def search_kindred(begun: SlipSearch, problem: Problem) -> SlipSearch:
-    """Search for the numbers of another form of an effect, beside those of the first."""
-    return searched_near(begun, replace(begun.slips, problem=problem), begun.found.point)
-
-
 def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Sequence[Problem]) -> list[SlipSearch]:
     """Search for the numbers of the law that was found, beside another effect: near by, on the line with that effect.
 
@@ -303,38 +307,82 @@ def same_form(effect: Effect, problem: Problem, other: Problem) -> bool:
 
 def searched_near(begun: SlipSearch, slips: Slips, centre: np.ndarray) -> SlipSearch:
     """Search for the numbers of slips near a centre, within a part of the box of a search before."""
-    within = [(KINDRED * low, KINDRED * high) for low, high in begun.box]
+    within = [(NEARBY * low, NEARBY * high) for low, high in begun.box]
     start = np.zeros(len(within))
-    return searched(slips, begun.box, centre, within, KINDRED_SIZE, KINDRED_GENERATIONS, start=start)
+    return searched(slips, begun.box, centre, within, NEARBY_SIZE, NEARBY_GENERATIONS, start=start)
 
 
 def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
-    """Search all numbers near by: each slip by itself, then the re-anchored and the free run; the best by both wins.
+    """Search all numbers near by, and follow them to the end; what does best by re-anchored and free run wins.
 
-    The forms of an effect are tried one after the other until one comes down to the noise.
+    Judged by each slip itself, and then on the re-anchored run, the forms of an effect are followed down one after the
+    other until one comes to the noise. Where none does they are searched for globally as well.
     """
-    searched: list[tuple[SlipSearch, Found]] = []
-    for each in begun:
-        if each.found.error > CLOSE_AT_SLIPS * begun[0].found.error:
+    close = [each for each in begun if each.found.error <= CLOSE_AT_SLIPS * begun[0].found.error]
+    descended: list[Near] = []
+    for each in close:
+        at_rests = min(each.found, follow(on_rests(each.slips.problem), each.found.point), key=lambda one: one.error)
+        descended.append(on_the_run(each, at_rests, each.found.point))
+        if descended[-1].is_at_noise:
             break
-        rested = on_rests(each.slips.problem)
-        searched.append((each, search_beside(each, each.found.point, rested, AT_RESTS)))
-        if searched[-1][1].error <= AT_NOISE**2 * rested.noise_error:
-            break
-    slip, at_rests = min(searched, key=lambda pair: pair[1].error)
-    problem = slip.slips.problem
-    seen = of_positions(problem)
-    tempered = replace(seen, experiments=[replace(each, reach=REACH) for each in seen.experiments])
-    anchored, free = replace(tempered, is_anchored=True), replace(tempered, is_anchored=False)
-    found = [at_rests, search_beside(slip, at_rests.point, anchored, ANCHORED)]
-    if found[-1].error < LAWFUL * seen.noise_error:
-        found.append(search_beside(slip, found[-1].point, free, FREE))
+    near = min(descended, key=lambda each: each.error)
+    if not near.is_at_noise:
+        near = min(near, roamed_about(descended), key=lambda each: each.error)
+    problem, points = near.slip.slips.problem, [near.point]
+    anchored, free = (tempered(problem, is_anchored=is_anchored) for is_anchored in (True, False))
+    if near.error < LAWFUL * problem.noise_error:
+        found = search_beside(near.slip, near.point, free, FREE)
+        points += [found.point, follow(free, found.point).point]
 
     def misfit(point: np.ndarray) -> float:
         return float(errors(anchored, point[None, :])[0] * errors(free, point[None, :])[0])
 
-    best = min((each.point for each in found), key=misfit)
+    best = min(points, key=misfit)
+    best = min([best, descend_to_end(problem, best).point], key=misfit)
     return problem, Found(best, float(errors(problem, best[None, :])[0]))
+
+
+@dataclass(frozen=True)
+class Near:
+    """A form of an effect near whose numbers the re-anchored run was followed down: the best point and its error."""
+
+    slip: SlipSearch
+    at_rests: Found
+    point: np.ndarray
+    error: float
+
+    @property
+    def is_at_noise(self) -> bool:
+        """Whether it explains the re-anchored run."""
+        return self.error <= AT_NOISE**2 * self.slip.slips.problem.noise_error
+
+
+def tempered(problem: Problem, *, is_anchored: bool) -> Problem:
+    """Return the problem on positions alone whose runs count large errors by their logarithm."""
+    seen = of_positions(problem)
+    return replace(seen, experiments=[replace(each, reach=REACH) for each in seen.experiments], is_anchored=is_anchored)
+
+
+def on_the_run(slip: SlipSearch, at_rests: Found, start: np.ndarray) -> Near:
+    """Return what is best on the re-anchored run: a start, what is best by each slip, or what lies below the latter."""
+    anchored = tempered(slip.slips.problem, is_anchored=True)
+    points = np.array([start, at_rests.point, follow(anchored, at_rests.point).point])
+    left = errors(anchored, points)
+    best = int(np.argmin(left))
+    return Near(slip, at_rests, points[best], float(left[best]))
+
+
+def roamed_about(descended: Sequence[Near]) -> Near:
+    """Search globally about forms of an effect: each slip by itself, until one comes to the noise; then on the run."""
+    searched: list[tuple[SlipSearch, Found]] = []
+    for each in descended:
+        rested = on_rests(each.slip.slips.problem)
+        searched.append((each.slip, search_beside(each.slip, each.at_rests.point, rested, AT_RESTS)))
+        if searched[-1][1].error <= AT_NOISE**2 * rested.noise_error:
+            break
+    slip, at_rests = min(searched, key=lambda pair: pair[1].error)
+    run = search_beside(slip, at_rests.point, tempered(slip.slips.problem, is_anchored=True), ANCHORED)
+    return on_the_run(slip, run, at_rests.point)
 
 
 def search_beside(begun: SlipSearch, centre: np.ndarray, problem: Problem, stage: Stage) -> Found:
