@@ -34,7 +34,7 @@ WHAT = "two effects together"
 """What is said meanwhile."""
 
 CLOSE_AT_SLIPS, MOST = 1.5, 3
-"""Error at the slips, over the best one's, up to which an effect and a law are searched for whole, and how many."""
+"""Error at the slips, over the best one's, up to which an effect and a law are searched for whole; how many effects."""
 
 NEARER_AT_SLIPS = 0.8
 """Error at the slips, over that of a law alone, below which an effect and a law must come to be searched for whole: an
@@ -231,12 +231,15 @@ def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
     """Return the work whose law comes nearest at the slips, each judged by itself, the best first.
 
     Several effects bend the line as well as each other, and the law that is better alone may be the wrong one: a quick
-    look at the slips tells. What comes hardly nearer there than a law `alone` is not searched for whole.
+    look at the slips tells. Both laws are kept beside the nearest effect only. What comes hardly nearer there than a
+    law `alone` is not searched for whole.
     """
     begun = sorted((each for each in looked if each.error < NEARER_AT_SLIPS * alone), key=lambda each: each.error)
-    return [replace(each.work, slips=each.slips) for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error][
-        :MOST
-    ]
+    close = [each for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error]
+    bends = list(dict.fromkeys(each.bend for each in close))[:MOST]
+    best = {bend: next(each for each in close if each.bend == bend) for bend in bends}
+    chosen = [each for each in close if each.bend in bends[:1] or each is best.get(each.bend)]
+    return [replace(each.work, slips=each.slips) for each in chosen]
 
 
 def slips_of(work: Work, line: Line) -> list[SlipSearch]:

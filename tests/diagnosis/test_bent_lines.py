@@ -323,6 +323,22 @@ def test_pairs_are_searched_for_whole_that_come_near_the_best_at_the_slips():
     assert slips.nearest_at_slips(pairs, 3900.0) == []
 
 
+def test_both_laws_are_searched_for_beside_the_nearest_effect_only():
+    keys = ("spring_hardening", "linkage_nonlinearity", "area_variation", "gap_drift")
+    pairs = [
+        looked(1000.0 + 100.0 * number + extra, key, law)
+        for number, key in enumerate(keys)
+        for law, extra in (("stribeck", 0.0), ("static_friction", 50.0))
+    ]
+    near = [each.effects for each in slips.nearest_at_slips(pairs, 20000.0)]
+    assert near == [
+        ("spring_hardening", "stribeck"),
+        ("spring_hardening", "static_friction"),
+        ("linkage_nonlinearity", "stribeck"),
+        ("area_variation", "stribeck"),
+    ]
+
+
 def test_no_whole_series_comes_under_the_law():
     alone = [named(40.0), named(9.0, "static_friction"), replace(named(20.0, "load_force"), has_series=True)]
     assert beside_the_best(alone, alone[1]) == []
