@@ -81,5 +81,6 @@ def test_errors_are_those_of_the_residuals() -> None:
 def test_each_form_of_an_effect_is_searched_on_its_own() -> None:
     _, experiment, _ = plant(5)
     assert len(forms_of("static_friction", [experiment])) == 1
-    shapes = [{start["stribeck_shape"] for start in form} for form in forms_of("stribeck", [experiment])]
-    assert shapes == [{1.0}, {2.0}]
+    forms = forms_of("stribeck", [experiment])
+    laws = [{(start["stribeck_shape"], start["stribeck_tail"]) for start in form} for form in forms]
+    assert laws == [{(1.0, 0.0)}, {(2.0, 0.0)}, {(2.0, 1.0)}]
