@@ -110,10 +110,8 @@ def rows() -> Iterator[tuple[Any, ...]]:
         "Slope of the Coulomb friction in the pressure.", "pressure_dependent_friction, differentiated", "m^2",
         ((PRESSURE_SHARE.name, symbol("P_b") / symbol("P_1")),),
     )  # fmt: skip
-    faster = (
-        (RELATIVE_SPEED.name, symbol("u_y") / symbol("v_b")),
-        (SPEED_POWER.name, RELATIVE_SPEED ** symbol("n_s")),
-    )
+    power = RELATIVE_SPEED ** symbol("n_s")
+    faster = ((RELATIVE_SPEED.name, symbol("u_y") / symbol("v_b")), (SPEED_POWER.name, power))
     yield (
         "stribeck_factor", "stem", "u_y r_s v_b n_s t_s", stribeck_factor(),
         "Friction in slip over Coulomb friction.", "stribeck", "1", faster,
@@ -124,7 +122,7 @@ def rows() -> Iterator[tuple[Any, ...]]:
         "Slope of that factor in the speed, negative.", "stribeck, differentiated", "s/m",
         (
             *faster,
-            (POWER_SLOPE.name, sp.powsimp(sp.diff(faster[1][1], RELATIVE_SPEED))),
+            (POWER_SLOPE.name, sp.powsimp(sp.diff(power, RELATIVE_SPEED))),
             (SHARE_SLOPE.name, sp.diff(stribeck_share(), SPEED_POWER)),
         ),
     )  # fmt: skip

@@ -12,10 +12,10 @@ from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
 from identification.breakaway import Line
-from identification.extension import form_of, slips_beside, slips_by
+from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
+from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, form_of
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -236,9 +236,11 @@ def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
     """
     begun = sorted((each for each in looked if each.error < NEARER_AT_SLIPS * alone), key=lambda each: each.error)
     close = [each for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error]
-    bends = list(dict.fromkeys(each.bend for each in close))[:MOST]
-    best = {bend: next(each for each in close if each.bend == bend) for bend in bends}
-    chosen = [each for each in close if each.bend in bends[:1] or each is best.get(each.bend)]
+    best: dict[str, Look] = {}
+    for each in close:
+        best.setdefault(each.bend, each)
+    kept = {each.work.effects for each in list(best.values())[:MOST]}
+    chosen = [each for each in close if each.work.effects in kept or each.bend == close[0].bend]
     return [replace(each.work, slips=each.slips) for each in chosen]
 
 

@@ -30,6 +30,7 @@ from identification.stick_slip import (
     LAWFUL,
     SlipSearch,
     error_at_rests,
+    form_of,
     line_of_stairs,
     search_beside_other,
     search_near,
@@ -341,12 +342,6 @@ def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
     for trial in trials:
         groups.setdefault(form_of(effect, trial.problem), []).append(trial)
     return list(groups.values())
-
-
-def form_of(effect: Effect, problem: Problem) -> tuple[float, ...]:
-    """Return the values of an effect that are not fitted, in a problem with it."""
-    values = problem.model.effects[effect.key]
-    return tuple(values[each.name] for each in effect.parameters if not each.is_fitted)
 
 
 def is_another_form(effect: Effect, one: Problem, other: Problem) -> bool:

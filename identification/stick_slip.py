@@ -285,7 +285,7 @@ def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Se
     """
     known = begun.slips.problem
     values = dict(zip((unknown.name for unknown in known.unknowns), begun.found.point, strict=True))
-    alike = [each for each in forms if same_form(effect, each, known)]
+    alike = [each for each in forms if form_of(effect, each) == form_of(effect, known)]
     found = []
     for problem in alike:
         start = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
@@ -298,11 +298,10 @@ def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Se
     return found
 
 
-def same_form(effect: Effect, problem: Problem, other: Problem) -> bool:
-    """Return whether the numbers of an effect that no fit moves are the same in two problems."""
-    held = [each.name for each in effect.parameters if not each.is_fitted]
-    one, two = (each.model.effects[effect.key] for each in (problem, other))
-    return all(one[name] == two[name] for name in held)
+def form_of(effect: Effect, problem: Problem) -> tuple[float, ...]:
+    """Return the values of an effect that are not fitted, in a problem with it."""
+    values = problem.model.effects[effect.key]
+    return tuple(values[each.name] for each in effect.parameters if not each.is_fitted)
 
 
 def searched_near(begun: SlipSearch, slips: Slips, centre: np.ndarray) -> SlipSearch:
