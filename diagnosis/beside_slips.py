@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
+from diagnosis.looks import Look, look_alone, look_beside
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
 from identification.breakaway import Line
-from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, form_of
+from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -42,30 +41,6 @@ effect's own numbers take in a part of any error."""
 
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
-
-
-@dataclass(frozen=True)
-class Look:
-    """What a law on top of an effect makes of the slips, on the line with that effect; the best form of it first."""
-
-    work: Work
-    line: Line
-    slips: list[SlipSearch]
-
-    @property
-    def bend(self) -> str:
-        """The effect that bends the line."""
-        return self.work.effects[0]
-
-    @property
-    def law(self) -> str:
-        """The law of the slips."""
-        return self.work.effects[-1]
-
-    @property
-    def error(self) -> float:
-        """Error at the slips, each judged by itself."""
-        return self.slips[0].found.error if self.slips else math.inf
 
 
 def beside_slips(
@@ -118,7 +93,7 @@ def beside_slips(
     # A line that one effect bends shows stairs, if it is not the law alone that does.
     chosen = (makers if line.is_explained else laws)[:MAKERS]
     looked, alone_at_slips = look_at_slips(bent, line, chosen, base.fit, pool, progress)
-    if not any(each.slips for each in looked):
+    if looked and not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS]]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
@@ -132,83 +107,17 @@ def look_at_slips(
     pool: Executor | None,
     progress: Progress,
 ) -> tuple[list[Look], float]:
-    """Return what laws on top of effects make of the slips, and the error of a law alone there.
+    """Return what laws on top of effects make of the slips, and the error of the best law alone there.
 
-    Alone the law that came nearest is judged in the same way, on the line as it is.
+    Alone they are judged in the same way, on the line as it is. None on top where nothing comes nearer than that.
     """
     progress("what sets how far the slips go", 0.0)
+    keys = [law.effects[0] for law in laws]
+    alone = look_alone(on_the_line(base.problem, line), line, keys, pool)
+    if alone.is_explained(NEARER_AT_SLIPS):
+        return [], alone.error
     worth = [each for number, each in enumerate(bent) if number < BENDS or each.line.is_explained]
-    looks = look_beside(worth, [law.effects[0] for law in laws], pool)
-    alone = slips_of(Work(on_the_line(base.problem, line), (looks.nearest.law,), True), line)
-    return list(looks.found.values()), alone[0].found.error if alone else math.inf
-
-
-def look_beside(bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None) -> Looks:
-    """Return what laws make of the slips beside effects that bend the line.
-
-    Beside the first effect the laws are compared, each in all its forms; beside the others the better one is searched
-    near its numbers. Where that comes nearest the laws are compared again: what is better beside a wrong effect need
-    not be.
-    """
-    looks = Looks(bent, laws, pool)
-    looks.compare(bent[0])
-    looks.follow()
-    nearest = looks.nearest
-    if nearest.bend != bent[0].effect.key:
-        looks.compare(next(each for each in bent if each.effect.key == nearest.bend))
-        if looks.nearest is not nearest:
-            looks.follow()
-    return looks
-
-
-class Looks:
-    """What laws make of the slips beside the effects that bend the line, as far as that was looked at."""
-
-    def __init__(self, bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None) -> None:
-        self.bent, self.laws, self.map = bent, laws, pool.map if pool else map
-        self.found: dict[tuple[str, ...], Look] = {}
-
-    @property
-    def nearest(self) -> Look:
-        """What came nearest."""
-        return min(self.found.values(), key=lambda each: each.error)
-
-    def compare(self, beside: BentLine) -> None:
-        """Search for each law in all its forms beside an effect."""
-        self.search([begun_look(beside, law) for law in self.laws])
-
-    def follow(self) -> None:
-        """Search for the law that came nearest beside the other effects, near its numbers.
-
-        A search that did not come near them leaves an effect behind that is as good. What has other numbers, or where
-        there are none to begin near, is searched for by itself.
-        """
-        nearest = self.nearest
-        others = [begun_look(each, nearest.law) for each in self.bent if each.effect.key != nearest.bend]
-        if nearest.slips:
-            again = self.map(partial(slips_again, nearest.slips[0]), others)
-            self.add([replace(look, slips=slips) for look, slips in zip(others, again, strict=True) if slips])
-        self.search([each for each in others if each.work.effects not in self.found])
-
-    def search(self, begun: Sequence[Look]) -> None:
-        """Search for the law of each look in all its forms."""
-        slips = self.map(slips_of, [each.work for each in begun], [each.line for each in begun])
-        self.add([replace(look, slips=found) for look, found in zip(begun, slips, strict=True)])
-
-    def add(self, looks: Sequence[Look]) -> None:
-        """Add what was looked at to what is known of the same effect and law: each form once, the best first."""
-        for look in looks:
-            law, known = effect_of_key(look.law), self.found.get(look.work.effects)
-            slips = sorted([*look.slips, *(known.slips if known else [])], key=lambda each: each.found.error)
-            best: dict[tuple[float, ...], SlipSearch] = {}
-            for each in slips:
-                best.setdefault(form_of(law, each.slips.problem), each)
-            self.found[look.work.effects] = replace(look, slips=list(best.values()))
-
-
-def begun_look(beside: BentLine, law: str) -> Look:
-    """Return a look at the slips that a law makes beside an effect, with nothing known yet."""
-    return Look(Work(beside.fit, (beside.effect.key, law), True), beside.line, [])
+    return look_beside(worth, keys, pool, alone.error), alone.error
 
 
 def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
@@ -242,16 +151,6 @@ def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
     kept = {each.work.effects for each in list(best.values())[:MOST]}
     chosen = [each for each in close if each.work.effects in kept or each.bend == close[0].bend]
     return [replace(each.work, slips=each.slips) for each in chosen]
-
-
-def slips_of(work: Work, line: Line) -> list[SlipSearch]:
-    """Return what the last effect of a cause makes of the slips beside the others, on a line through breakaways."""
-    return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
-
-
-def slips_again(nearest: SlipSearch, look: Look) -> list[SlipSearch]:
-    """Return what the last effect of a cause makes of the slips beside the others, near what it made beside another."""
-    return slips_beside(nearest, look.work.fit, effect_of_key(look.work.effects[-1]), look.line)
 
 
 def bent_lines(

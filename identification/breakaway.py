@@ -259,7 +259,7 @@ def roamed(line: Line) -> Line:
         points[:, line.columns] += moves @ line.slack.T
         return np.clip(points, *line.breakaways.problem.bounds)
 
-    def off_by(moves: np.ndarray) -> np.ndarray:
+    def off_by(moves: np.ndarray, _: np.ndarray) -> np.ndarray:
         return counted(line.breakaways.enclosed(points_of(moves)))
 
     box = [(-ALONG, ALONG)] * len(line.columns)

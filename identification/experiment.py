@@ -293,20 +293,25 @@ def score_rows(
     anchors: np.ndarray = runs.FREE,
     in_closed_form: bool = False,
     within: float = HALF_A_STEP,
+    most: np.ndarray | float = np.inf,
 ) -> np.ndarray:
-    """Return the sum of the squared errors that count of each row of numbers, shape (rows,). [noise^2]"""
+    """Return the sum of the squared errors that count of each row of numbers, shape (rows,). [noise^2]
+
+    Infinite where a run was not ended because it comes to more than `most`, of one or of all rows.
+    """
     if experiment.is_loop and in_closed_form:
         return np.nansum(np.where(used, experiment.errors_of(_settled(experiment, rows)), np.nan) ** 2, axis=1)
     measured = np.where(used, experiment.position, np.nan)
-    sums = np.empty(len(rows))
+    sums, noise_square = np.empty(len(rows)), experiment.noise**2
+    most = noise_square * np.asarray(most) * np.ones(len(rows))
     step, _ = _without_steps(experiment, rows)
 
     def score(part: slice) -> None:
         runs.score_rows(
             rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
             within * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
-            np.empty((1, len(measured))), sums[part],
+            np.empty(len(measured)), most[part], sums[part],
         )  # fmt: skip
 
     in_parts(score, len(rows))
-    return sums / experiment.noise**2
+    return sums / noise_square

@@ -106,7 +106,7 @@ def placed(fit: Fit, effect: Effect, trials: Sequence[Trial]) -> Trial:
     problem, point = trials[0].problem, fit.found.point
     residual, basis, triangle = fit.own_slopes
 
-    def left_by(values: np.ndarray) -> np.ndarray:
+    def left_by(values: np.ndarray, _: np.ndarray) -> np.ndarray:
         points = np.hstack([np.repeat(point[None, :], len(values), axis=0), values])
         left = problem.residuals(points)[:, : len(residual)]
         left = left - (left @ basis) @ basis.T

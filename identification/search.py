@@ -25,6 +25,9 @@ SETTLING_REACH, SETTLING_EVALUATIONS = 0.1, 50
 CONVERGED = 1e-2
 """Spread of the errors of a global search's points, over their mean, at which a local search goes on."""
 
+ROUNDING = 1.0 + 1e-9
+"""Factor by which an error may be above another one by rounding alone."""
+
 LOOKED = 16
 """Generations after which a global search must have come below an error that was set, or ends."""
 
@@ -155,13 +158,15 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     return follow(problem, start, precision=END_PRECISION) if is_worse else near
 
 
-def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
+def errors(problem: Problem, points: np.ndarray, most: np.ndarray | float = np.inf) -> np.ndarray:
     """Return half the sum of squared residuals at each scaled point, shape (p,); none are kept where it can do without.
 
     Parameters
     ----------
     problem : Problem
     points : array, shape (p, unknowns)
+    most : array, shape (p,), or float
+        Errors beyond which it does not matter by how much: such a run may end early, and is then as bad as a lost one.
     """
     if problem.has_pressure:
         residuals = problem.residuals(points)
@@ -178,6 +183,7 @@ def errors(problem: Problem, points: np.ndarray) -> np.ndarray:
             anchors=anchors,
             in_closed_form=problem.settles,
             within=problem.within,
+            most=2.0 * ROUNDING * np.asarray(most) - sums,
         )
     lost = LOST * sum(int(used.sum()) for used in problem.used)
     return 0.5 * np.where(np.isfinite(sums), sums, lost)
@@ -251,12 +257,12 @@ def roam_through(
     **effort: Unpack[Effort],
 ) -> Found:
     """Search globally over the scaled points, shape (p, unknowns), that belong to u, shape (p, m), in a box."""
-    moves, error = roam_over(lambda moves: errors(problem, points_of(moves)), box, **effort)
+    moves, error = roam_over(lambda moves, most: errors(problem, points_of(moves), most), box, **effort)
     return Found(points_of(moves[None, :])[0], error)
 
 
 def roam_over(
-    errors_of: Callable[[np.ndarray], np.ndarray], box: list[tuple[float, float]], **effort: Unpack[Effort]
+    errors_of: Callable[[np.ndarray, np.ndarray], np.ndarray], box: list[tuple[float, float]], **effort: Unpack[Effort]
 ) -> tuple[np.ndarray, float]:
     """Search globally over u in a box (differential evolution, scipy); return the best u, shape (m,), and its error.
 
@@ -265,7 +271,8 @@ def roam_over(
     Parameters
     ----------
     errors_of : callable
-        Errors, shape (p,), of u, shape (p, m).
+        Errors, shape (p,), of u, shape (p, m), and of the errors beyond which each does not matter, shape (p,): those
+        of the points that they are to replace.
     box : list of (low, high)
         One for each component of u, m in all.
     effort
@@ -274,14 +281,16 @@ def roam_over(
     from scipy.optimize import differential_evolution
 
     def end_early(intermediate_result: OptimizeResult) -> None:
+        most[:] = intermediate_result.population_energies
         is_vain = intermediate_result.nit == LOOKED and intermediate_result.fun > effort.get("promising", math.inf)
         if intermediate_result.fun <= effort.get("enough", 0.0) or is_vain:
             raise StopIteration
 
     generator = np.random.default_rng(effort.get("seed", 0))
     points = 1 << (effort["size"] * len(box) - 1).bit_length()
+    most = np.full(points, np.inf)
     result = differential_evolution(
-        lambda u: errors_of(np.atleast_2d(u.T)),
+        lambda u: errors_of(np.atleast_2d(u.T), most),
         box,
         maxiter=effort["generations"],
         tol=CONVERGED,

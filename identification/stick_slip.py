@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from identification.breakaway import Line, breakaways_of, line_through, roamed
 from identification.pressures import told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, descend, descend_to_end, errors, roam_through
-from identification.wide import AT_NOISE
+from identification.wide import AT_NOISE, is_at_noise
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -65,7 +66,7 @@ class Stage:
     generations: int
 
 
-AT_RESTS, ANCHORED, FREE = Stage(0.3, 8, 20), Stage(0.1, 4, 30), Stage(0.04, 3, 15)
+LOOSE, ANCHORED, FREE = Stage(0.5, 3, 25), Stage(0.1, 4, 30), Stage(0.04, 3, 15)
 
 follow = partial(descend, evaluations=12, precision=1e-3, renewed=2)
 """How a search is followed down in between."""
@@ -145,7 +146,7 @@ def line_of_stairs(problem: Problem, point: np.ndarray) -> Line | None:
     return roamed(line_through(breakaways, point))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlipSearch:
     """A search for an effect that makes the stem jump, after each slip was judged by itself.
 
@@ -341,6 +342,29 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
     return problem, Found(best, float(errors(problem, best[None, :])[0]))
 
 
+def worth_loosening(begun: Sequence[SlipSearch]) -> list[SlipSearch]:
+    """Return the forms of an effect, the best first, under whose slips the line should move: none that is far off."""
+    return [each for each in begun if each.found.error <= CLOSE_AT_SLIPS * begun[0].found.error]
+
+
+@threadpool_limits.wrap(limits=1)
+def let_loose(slip: SlipSearch) -> SlipSearch:
+    """Let the line move within its slack under the slips, each judged by itself, unless they are explained.
+
+    Where the line leaves much open, the right effect looks worse than a wrong one while it is held.
+    """
+    rested = on_rests(slip.slips.problem)
+    if is_at_noise(rested, slip.found):
+        return slip
+    found = follow(rested, search_beside(slip, slip.found.point, rested, LOOSE).point)
+    return replace(slip, found=min(slip.found, found, key=lambda each: each.error))
+
+
+def noise_at_rests(slip: SlipSearch) -> float:
+    """Return the error that noise alone leaves where each slip is judged by itself."""
+    return on_rests(slip.slips.problem).noise_error
+
+
 @dataclass(frozen=True)
 class Near:
     """A form of an effect near whose numbers the re-anchored run was followed down: the best point and its error."""
@@ -373,15 +397,14 @@ def on_the_run(slip: SlipSearch, at_rests: Found, start: np.ndarray) -> Near:
 
 def roamed_about(descended: Sequence[Near]) -> Near:
     """Search globally about forms of an effect: each slip by itself, until one comes to the noise; then on the run."""
-    searched: list[tuple[SlipSearch, Found]] = []
+    searched: list[SlipSearch] = []
     for each in descended:
-        rested = on_rests(each.slip.slips.problem)
-        searched.append((each.slip, search_beside(each.slip, each.at_rests.point, rested, AT_RESTS)))
-        if searched[-1][1].error <= AT_NOISE**2 * rested.noise_error:
+        searched.append(let_loose(replace(each.slip, found=each.at_rests)))
+        if is_at_noise(on_rests(each.slip.slips.problem), searched[-1].found):
             break
-    slip, at_rests = min(searched, key=lambda pair: pair[1].error)
-    run = search_beside(slip, at_rests.point, tempered(slip.slips.problem, is_anchored=True), ANCHORED)
-    return on_the_run(slip, run, at_rests.point)
+    slip = min(searched, key=lambda each: each.found.error)
+    run = search_beside(slip, slip.found.point, tempered(slip.slips.problem, is_anchored=True), ANCHORED)
+    return on_the_run(slip, run, slip.found.point)
 
 
 def search_beside(begun: SlipSearch, centre: np.ndarray, problem: Problem, stage: Stage) -> Found:

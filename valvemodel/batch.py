@@ -75,7 +75,7 @@ def objectives(
             some["start_position"] = np.where(np.isnan(some["start_position"]), anchors[0], some["start_position"])
         runs.score_rows(
             some, np.zeros(1, STATE), np.zeros(1, MEMORY), time, currents[index], measured[index], 0.0, np.inf,
-            anchors, CURRENT, tolerance, np.empty((1, len(time))), sums[index, part],
+            anchors, CURRENT, tolerance, np.empty(len(time)), np.full(len(some), np.inf), sums[index, part],
         )  # fmt: skip
 
     _in_parallel(score, len(currents), len(rows), workers, progress)

@@ -144,16 +144,40 @@ def is_anchored(p, state, anchor, before, mode_before):
     return p.anchors_at_rest == 0.0 or (state.mode == STUCK and (mode_before != STUCK or state.position != before))
 
 
+@inlined
+def tempered_square(error, reach):
+    """Return the square of an error that counts, far beyond a reach, by its logarithm alone."""
+    if math.isinf(reach):
+        return error * error
+    return reach * reach * math.log1p((error / reach) ** 2)
+
+
+@inlined
+def square_at(goal, sample, reading):
+    """Return what a reading adds to the sum of squared errors of a goal: measured positions, slack and reach."""
+    measured, slack, reach, _ = goal
+    if measured.shape[0] == 0 or math.isnan(measured[sample]):
+        return 0.0
+    return tempered_square(max(abs(reading - measured[sample]) - slack, 0.0), reach)
+
+
 @compiled
-def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes):
-    """Run a chain period by period, put anew at the anchors; `given` are its numbers with what drifts."""
+def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes, goal):
+    """Run a chain period by period, put anew at the anchors; `given` are its numbers with what drifts.
+
+    Return the sum of squared errors of a goal; infinity, and no more readings, once it is more than the goal's most.
+    """
     holds = has_drifts(given) and not has_drifts(p)
     before, mode_before = state.position, state.mode
+    total, most = 0.0, goal[3]
     for sample in range(time.shape[0]):
         if anchors.shape[0] > 0 and is_anchored(p, state, anchors[sample], before, mode_before):
             anchor_stem(p, state, anchors[sample], time[sample])
         before, mode_before = state.position, state.mode
         readings[sample] = read_sensor(p, state, time[sample])
+        total += square_at(goal, sample, readings[sample])
+        if total > most:
+            return math.inf
         if pressures.shape[0] > 0:
             pressures[sample] = state.pressure
             modes[sample] = mode_of(state)
@@ -161,6 +185,37 @@ def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, rea
             if holds:
                 hold_drifts(p, state, given, 0.5 * (time[sample] + time[sample + 1]))
             advance_period(p, state, memory, drive[sample], time[sample], time[sample + 1] - time[sample], tolerance)
+    return total
+
+
+@compiled
+def run_row(
+    given, state, memory, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, scratch, goal
+):
+    """Run one row of numbers over a drive; return the sum of squared errors of a goal, as `run_by_periods` does.
+
+    Parameters
+    ----------
+    scratch : array, shape (m,), array, shape (1,), dtype PARAMETERS, and float [s]
+        For the pressures and numbers on the way, overwritten; the longest period.
+    """
+    held, own, longest = scratch
+    p, holds = given, may_hold_drifts(given, longest, tolerance)
+    if holds:
+        own[0] = given
+        p = own[0]
+        take_out_drifts(p)
+        hold_drifts(p, state, given, time[0])
+    start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
+    if anchors.shape[0] > 0 or pressures.shape[0] > 0 or holds or not is_forward(state):
+        return run_by_periods(
+            p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes, goal
+        )
+    run_forward(p, state, memory, time, drive, tolerance, held, readings)
+    total = 0.0
+    for sample in range(time.shape[0]):
+        total += square_at(goal, sample, readings[sample])
+    return total
 
 
 @compiled
@@ -186,36 +241,18 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
     readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
         Overwritten; pressures and modes may have shape (n, 0) and are then left out.
     """
-    held, own = np.empty(time.shape[0]), rows[:1].copy()
-    longest = longest_period(time)
+    scratch = np.empty(time.shape[0]), rows[:1].copy(), longest_period(time)
+    nothing = np.empty(0), 0.0, math.inf, math.inf
     for row in range(rows.shape[0]):
-        given, state, memory = rows[row], states[row], memories[0]
-        p, holds = given, may_hold_drifts(given, longest, tolerance)
-        if holds:
-            own[0] = given
-            p = own[0]
-            take_out_drifts(p)
-            hold_drifts(p, state, given, time[0])
-        start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
-        if anchors.shape[0] == 0 and pressures.shape[1] == 0 and not holds and is_forward(state):
-            run_forward(p, state, memory, time, drive, tolerance, held, readings[row])
-            continue
-        run_by_periods(
-            p, given, state, memory, time, drive, anchors, tolerance, readings[row], pressures[row], modes[row]
-        )
-
-
-@inlined
-def tempered_square(error, reach):
-    """Return the square of an error that counts, far beyond a reach, by its logarithm alone."""
-    if math.isinf(reach):
-        return error * error
-    return reach * reach * math.log1p((error / reach) ** 2)
+        run_row(
+            rows[row], states[row], memories[0], time, drive, anchors, driven_by, tolerance,
+            readings[row], pressures[row], modes[row], scratch, nothing,
+        )  # fmt: skip
 
 
 @compiled
 def score_rows(
-    rows, states, memories, time, drive, measured, slack, reach, anchors, driven_by, tolerance, readings, sums
+    rows, states, memories, time, drive, measured, slack, reach, anchors, driven_by, tolerance, readings, most, sums
 ):
     """Run each row of numbers and keep the sum of its squared errors alone.
 
@@ -230,22 +267,18 @@ def score_rows(
         Error that does not count, of a reading that comes in coarse steps.
     reach : float [m]
         Error far beyond which a sample counts by the logarithm; infinite for plain squares.
-    readings : array, shape (1, m) [m]
+    readings : array, shape (m,) [m]
+    most : array, shape (n,) [m^2]
+        Sum beyond which a row is worth nothing: its run need not go on.
     sums : array, shape (n,) [m^2]
-        Overwritten.
+        Overwritten; infinite where a run was not ended.
     """
-    nothing = np.empty((1, 0))
+    scratch, nothing = (np.empty(time.shape[0]), rows[:1].copy(), longest_period(time)), np.empty(0)
     for row in range(rows.shape[0]):
-        run_chain(
-            rows[row : row + 1], states, memories, time, drive, anchors, driven_by, tolerance,
-            readings, nothing, nothing,
+        sums[row] = run_row(
+            rows[row], states[0], memories[0], time, drive, anchors, driven_by, tolerance,
+            readings, nothing, nothing, scratch, (measured, slack, reach, most[row]),
         )  # fmt: skip
-        total = 0.0
-        for sample in range(time.shape[0]):
-            if not math.isnan(measured[sample]):
-                error = max(abs(readings[0, sample] - measured[sample]) - slack, 0.0)
-                total += tempered_square(error, reach)
-        sums[row] = total
 
 
 @compiled

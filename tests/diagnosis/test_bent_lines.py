@@ -173,41 +173,6 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     assert errors_by["asymmetric_friction"] < 0.9 * min(errors_by["friction_drift"], errors_by["sensor_drift"], alone)
 
 
-def test_the_laws_are_compared_again_beside_the_effect_where_one_came_nearest(monkeypatch):
-    """Beside the effect that bends the line best the wrong law seems the better one."""
-    in_full = {
-        ("spring_hardening", "static_friction"): 5.0,
-        ("spring_hardening", "stribeck"): 6.0,
-        ("area_variation", "static_friction"): 4.0,
-        ("area_variation", "stribeck"): 1.0,
-    }
-    near = {("area_variation", "static_friction"): 4.5, ("spring_hardening", "stribeck"): 5.5}
-    near |= {("linkage_nonlinearity", "static_friction"): 4.8, ("linkage_nonlinearity", "stribeck"): 3.0}
-    asked = []
-
-    def seen(effects: tuple[str, ...], error: float) -> list[SimpleNamespace]:
-        law = effect_of_key(effects[-1])
-        problem = SimpleNamespace(model=SimpleNamespace(effects={law.key: law.typical}))
-        return [SimpleNamespace(slips=SimpleNamespace(problem=problem), found=SimpleNamespace(error=error))]
-
-    def searched(work, line):
-        asked.append(work.effects)
-        return seen(work.effects, in_full[work.effects])
-
-    monkeypatch.setattr(slips, "slips_of", searched)
-    monkeypatch.setattr(slips, "slips_again", lambda _, look: seen(look.work.effects, near[look.work.effects]))
-    bent = [
-        SimpleNamespace(effect=effect_of_key(key), fit=None, line=None)
-        for key in ("spring_hardening", "area_variation", "linkage_nonlinearity")
-    ]
-    looks = slips.look_beside(bent, ["static_friction", "stribeck"], None)
-    assert asked == list(in_full)
-    assert {each.work.effects: each.error for each in looks.found.values()} == {**near, **in_full} | {
-        ("spring_hardening", "stribeck"): 5.5
-    }
-    assert looks.nearest.work.effects == ("area_variation", "stribeck")
-
-
 def test_stick_slip_is_found_on_top_of_what_bends_the_line(given):
     plant, holdout, base = plant_and_base(given, 9204, "spring_hardening", "stribeck")
     bent = bent_line(base, straight_line(base), effect_of_key("spring_hardening"))

@@ -1,0 +1,178 @@
+"""Looks at the slips: what laws of stick-slip make of them, each slip by itself, beside effects that bend the line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import partial
+
+from diagnosis.trying import Work
+from identification.bent_lines import BentLine
+from identification.breakaway import Line
+from identification.extension import slips_beside, slips_by
+from identification.fit import Fit
+from identification.stick_slip import SlipSearch, form_of, let_loose, noise_at_rests, worth_loosening
+from valvemodel.effects import effect_of_key
+
+LOOSENED = 2.5
+"""Error at the slips, over the best one's, both on lines that are held, up to which a line is let loose."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a law on top of an effect, or alone, makes of the slips on a line; the best form of it first."""
+
+    work: Work
+    line: Line
+    slips: list[SlipSearch]
+
+    @property
+    def bend(self) -> str:
+        """The effect that bends the line."""
+        return self.work.effects[0]
+
+    @property
+    def law(self) -> str:
+        """The law of the slips."""
+        return self.work.effects[-1]
+
+    @property
+    def error(self) -> float:
+        """Error at the slips, each judged by itself."""
+        return self.slips[0].found.error if self.slips else math.inf
+
+    def is_explained(self, share: float) -> bool:
+        """Return whether a share of the error is less than the noise at the slips."""
+        return bool(self.slips) and share * self.error < noise_at_rests(self.slips[0])
+
+
+def look_alone(fit: Fit, line: Line, laws: Sequence[str], pool: Executor | None) -> Look:
+    """Return what the best of some laws makes of the slips by itself, on the line of a fit."""
+    looks = Looks([], pool)
+    looks.search([Look(Work(fit, (law,), True), line, []) for law in laws])
+    looks.loosen()
+    return looks.nearest
+
+
+def look_beside(
+    bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None, alone: float = math.inf
+) -> list[Look]:
+    """Return what laws make of the slips beside effects that bend the line.
+
+    Beside the first effect the laws are compared, each in all its forms; beside the others the better one is searched
+    near its numbers. Where that comes nearest the laws are compared again: what is better beside a wrong effect need
+    not be.
+
+    Parameters
+    ----------
+    bent : sequence of BentLine
+        The one whose line is best first.
+    laws : sequence of str
+        Keys.
+    pool : Executor or None
+    alone : float
+        Error at the slips of the best law alone.
+    """
+    looks = Looks(bent, pool)
+    looks.compare(bent[0], laws)
+    if looks.nearest.error < alone:
+        looks.loosen()
+    looks.follow()
+    looks.loosen()
+    nearest = looks.nearest
+    if nearest.bend != bent[0].effect.key:
+        looks.compare(next(each for each in bent if each.effect.key == nearest.bend), laws)
+        looks.loosen()
+        if looks.nearest.error < nearest.error:
+            looks.follow()
+            looks.loosen()
+    return looks.found
+
+
+class Looks:
+    """What is known of laws beside effects that bend the line: on lines that are held, and let loose where it pays."""
+
+    def __init__(self, bent: Sequence[BentLine], pool: Executor | None) -> None:
+        self.bent, self.map = bent, pool.map if pool else map
+        self.held: dict[tuple[str, ...], Look] = {}
+        self.loose: dict[SlipSearch, SlipSearch] = {}
+
+    @property
+    def found(self) -> list[Look]:
+        """All looks, on lines that move where they were let loose."""
+        return [with_best(each, [self.loose.get(slip, slip) for slip in each.slips]) for each in self.held.values()]
+
+    @property
+    def nearest(self) -> Look:
+        """What came nearest."""
+        return min(self.found, key=lambda each: each.error)
+
+    def compare(self, beside: BentLine, laws: Sequence[str]) -> None:
+        """Search for laws in all their forms beside an effect."""
+        self.search([begun_look(beside, law) for law in laws])
+
+    def follow(self) -> None:
+        """Search for the law that came nearest beside the other effects, near its numbers.
+
+        A search that did not come near them leaves an effect behind that is as good. What has other numbers, or where
+        there are none to begin near, is searched for by itself.
+        """
+        nearest = self.nearest
+        others = [begun_look(each, nearest.law) for each in self.bent if each.effect.key != nearest.bend]
+        if nearest.slips:
+            again = self.map(partial(slips_again, nearest.slips[0]), others)
+            self.add([replace(look, slips=slips) for look, slips in zip(others, again, strict=True) if slips])
+        self.search([each for each in others if each.work.effects not in self.held])
+
+    def search(self, begun: Sequence[Look]) -> None:
+        """Search for the law of each look in all its forms."""
+        slips = self.map(slips_of, [each.work for each in begun], [each.line for each in begun])
+        self.add([replace(look, slips=found) for look, found in zip(begun, slips, strict=True)])
+
+    def add(self, looks: Sequence[Look]) -> None:
+        """Add what was looked at to what is known of the same effect and law."""
+        for look in looks:
+            known = self.held.get(look.work.effects)
+            self.held[look.work.effects] = with_best(look, [*look.slips, *(known.slips if known else [])])
+
+    def loosen(self) -> None:
+        """Let the line move within its slack beside what comes near while it is held.
+
+        That is done under the best form of a law, and under others that are as good where it stays near.
+        """
+        within = LOOSENED * min(each.error for each in self.held.values())
+        near = [each for each in self.held.values() if each.slips and each.error <= within]
+        self.let_loose([each.slips[0] for each in near])
+        within = LOOSENED * self.nearest.error
+        near = [each for each in near if self.loose[each.slips[0]].found.error <= within]
+        self.let_loose([slip for each in near for slip in worth_loosening(each.slips)])
+
+    def let_loose(self, slips: Sequence[SlipSearch]) -> None:
+        """Let the line move under some slips, where that was not done."""
+        held = [each for each in slips if each not in self.loose]
+        self.loose.update(zip(held, self.map(let_loose, held), strict=True))
+
+
+def begun_look(beside: BentLine, law: str) -> Look:
+    """Return a look at the slips that a law makes beside an effect, with nothing known yet."""
+    return Look(Work(beside.fit, (beside.effect.key, law), True), beside.line, [])
+
+
+def with_best(look: Look, slips: Sequence[SlipSearch]) -> Look:
+    """Return a look with the best of some slips in each form of its law, the best form first."""
+    best: dict[tuple[float, ...], SlipSearch] = {}
+    for each in sorted(slips, key=lambda each: each.found.error):
+        best.setdefault(form_of(effect_of_key(look.law), each.slips.problem), each)
+    return replace(look, slips=list(best.values()))
+
+
+def slips_of(work: Work, line: Line) -> list[SlipSearch]:
+    """Return what the last effect of a cause makes of the slips beside the others, on a line through breakaways."""
+    return slips_by(work.fit, effect_of_key(work.effects[-1]), line=line)
+
+
+def slips_again(nearest: SlipSearch, look: Look) -> list[SlipSearch]:
+    """Return what the last effect of a cause makes of the slips beside the others, near what it made beside another."""
+    return slips_beside(nearest, look.work.fit, effect_of_key(look.law), look.line)
