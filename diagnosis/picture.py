@@ -52,7 +52,7 @@ def record_evidence(diagnosis: Diagnosis, experiment: Experiment) -> RecordEvide
             held_out = mask
     return RecordEvidence(
         name=experiment.name,
-        time=experiment.time,
+        time=experiment.record_time,
         current=experiment.current,
         measured=experiment.position,
         as_given=given.position[0],

@@ -83,7 +83,7 @@ def curves_of_run(experiments: Sequence[Experiment], base: Fit) -> Iterator[Curv
         "current": ("A", _joined([each.current for each in experiments])),
         "position": ("m", _joined([run.position[0] for run in runs])),
         "speed": ("m/s", _joined([_slope(r.position[0], e.time) for r, e in zip(runs, experiments, strict=True)])),
-        "time": ("s", _joined([each.time for each in experiments])),
+        "time": ("s", _joined([each.record_time for each in experiments])),
     }
     off = _joined([each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)])
     measured = _joined([each.pressure for each in experiments if each.pressure is not None])

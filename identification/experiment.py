@@ -71,6 +71,8 @@ class Experiment:
         Whether the current of a loop ramps slowly from value to value, instead of stepping.
     reach : float [noise]
         Error of the position far beyond which a sample counts by the logarithm; infinite for plain squares.
+    start : float [s]
+        What the record's own time is at 0.
     """
 
     name: str
@@ -84,6 +86,12 @@ class Experiment:
     is_loop: bool = False
     is_ramped: bool = False
     reach: float = math.inf
+    start: float = 0.0
+
+    @property
+    def record_time(self) -> np.ndarray:
+        """Time as the record has it, shape (n,): what is told and drawn. [s]"""
+        return self.start + self.time
 
     @cached_property
     def anchors(self) -> np.ndarray:
@@ -169,14 +177,16 @@ def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool
         time = SETTLING_TIME * np.arange(len(current))
         noise = _noise_of_loop(position)
         pressure_noise = 0.0 if pressure is None else _noise_of_loop(pressure)
-        period, block_time = SETTLING_TIME, 4.0 * SETTLING_TIME
+        period, block_time, start = SETTLING_TIME, 4.0 * SETTLING_TIME, 0.0
     else:
-        time = np.ascontiguousarray(record.time - record.time[0], float)
+        start = float(record.time[0])
+        time = np.ascontiguousarray(record.time - start, float)
         period = float(np.median(np.diff(time)))
         block_time = max(BLOCK_TIME, PERIODS_OF_BLOCK * period)
         noise = noise_level(position)
         pressure_noise = 0.0 if pressure is None else noise_level(pressure)
     if reads_at_end or record.time is None:
+        start -= period
         time = np.append(time, time[-1] + period)
         current = np.append(current, current[-1])
         position = np.insert(position, 0, np.nan)
@@ -184,8 +194,9 @@ def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool
     block = (time // block_time).astype(int)
     is_loop = record.time is None
     return Experiment(
-        record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop, is_loop and is_ramped
-    )
+        record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop, is_loop and is_ramped,
+        start=start,
+    )  # fmt: skip
 
 
 def _noise_of_loop(signal: np.ndarray) -> float:

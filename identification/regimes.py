@@ -19,6 +19,7 @@ def masks_of(experiment: Experiment, mode: np.ndarray) -> dict[tuple[str, str], 
     low, high = np.nanquantile(position, [0.002, 0.998])
     thirds = low + (high - low) * np.array([1.0, 2.0]) / 3.0
     third_of_time = time[-1] / 3.0
+    first_third, second_third = experiment.start + third_of_time, experiment.start + 2.0 * third_of_time
     margin = LIKE_THE_BAND * (high - low)
     since = time_since_reversal(time, mode)
     return {
@@ -30,8 +31,8 @@ def masks_of(experiment: Experiment, mode: np.ndarray) -> dict[tuple[str, str], 
         ("middle", "in the middle third of the travel"): (position >= thirds[0]) & (position <= thirds[1]),
         ("high", f"in the upper third of the travel, above {thirds[1] * 1e3:.0f} mm"): position > thirds[1],
         ("near_stop", "at the ends of the travel"): (position < low + margin) | (position > high - margin),
-        ("early", f"in the first third of the record, before {third_of_time:.0f} s"): time < third_of_time,
-        ("late", f"in the last third of the record, after {2 * third_of_time:.0f} s"): time > 2.0 * third_of_time,
+        ("early", f"in the first third of the record, before {first_third:.0f} s"): time < third_of_time,
+        ("late", f"in the last third of the record, after {second_third:.0f} s"): time > 2.0 * third_of_time,
     }
 
 

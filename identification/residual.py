@@ -44,7 +44,7 @@ def residuals_of(fit: Fit) -> tuple[Residual, ...]:
     """Return what a fit leaves of the position of each experiment, in a free run."""
     return tuple(
         Residual(
-            each.name, None if each.is_loop else each.time, each.position - fit.simulated_on(each).position[0]
+            each.name, None if each.is_loop else each.record_time, each.position - fit.simulated_on(each).position[0]
         )
         for each in fit.problem.experiments
     )  # fmt: skip

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from identification.experiment import experiment_of
+from identification.regimes import masks_of
 from identification.stretches import longest_stretch
 from valvemodel.records import Record
 
@@ -39,3 +41,18 @@ def test_rows_that_were_left_out_because_nothing_changed_are_no_gap():
     shorter = Record("valve", **{name: getattr(resting, name)[kept] for name in ("time", "current", "position")})
     assert len(shorter.time) == 1000
     assert longest_stretch(shorter) == (shorter, [])
+
+
+def test_times_are_told_as_the_record_has_them():
+    """A stretch, and a record that does not begin at 0, keep the times of their file."""
+    record = record_without(slice(0, 0))
+    later = replace(record, time=record.time + 1000.0)
+    for reads_at_end in (False, True):
+        experiment = experiment_of(later, reads_at_end=reads_at_end)
+        assert experiment.time[0] == 0.0
+        rows = slice(1, None) if reads_at_end else slice(None)
+        assert experiment.record_time[rows] == pytest.approx(later.time, abs=1e-9)
+    experiment = experiment_of(later)
+    words = [words for name, words in masks_of(experiment, np.ones(len(experiment.time))) if name == "early"]
+    end = 1000.0 + (later.time[-1] - later.time[0]) / 3.0
+    assert words == [f"in the first third of the record, before {end:.0f} s"]
