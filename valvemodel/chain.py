@@ -154,7 +154,7 @@ def move_by_events(p, state, memory, time, used, duration, tolerance):
         if steps > most:
             tolerance, steps = 10.0 * tolerance, 0
         before, mode_before, highest_before = state.position, state.mode, state.span_highest
-        memory.trace_count = state.trace_velocity = state.trace_acceleration = 0.0
+        memory.trace_count = state.trace_steady = state.trace_velocity = state.trace_acceleration = 0.0
         state.trace_next_velocity = state.trace_next_acceleration = 0.0
         step = advance_stem(p, state, memory, time + used, duration - used, tolerance)
         follow_stem(p, state, memory, before, state.position, step)

@@ -62,7 +62,7 @@ STATE = np.dtype(
             "known_damping", "known_stiffness", "known_duration", "known_alpha", "known_beta", "known_half_swing",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
             "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
-            "trace_damping", "trace_stiffness", "trace_velocity", "trace_acceleration",
+            "trace_damping", "trace_stiffness", "trace_steady", "trace_velocity", "trace_acceleration",
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
             "shorter_lag_decay",
         )

@@ -226,6 +226,13 @@ class IndependentChain:
         if self.presliding_compliance == 0.0 and self.side == 0:
             events["rise"] = lambda t, x: 1.0 if x[STEM] >= self.highest else holds(t, x, 1, 2.0 * WITHIN)
             events["fall"] = lambda t, x: 1.0 if x[STEM] <= self.lowest else holds(t, x, -1, 2.0 * WITHIN)
+        elif self.side == 0 and self.pressed != 0:
+
+            def turn(t, x):
+                _, pressure = self.upstream(t, x, current)
+                return self.pressed * (self.thrust(t, x[STEM], pressure) - x[BRISTLE])
+
+            events["turn"] = turn
         elif self.side != 0:
             side = self.side
             events["stop"] = lambda t, x: side * x[SPEED]
@@ -342,6 +349,7 @@ class IndependentChain:
                 holds = self.ratio * (1.0 + 2.0 * WITHIN) * self.coulomb(time, x[STEM], pressure, side)
                 self.side = side if abs(net) > holds else 0
             blocked = (self.side > 0 and x[STEM] >= self.highest) or (self.side < 0 and x[STEM] <= self.lowest)
+            self.pressed = self.side if blocked else 0
             if blocked:
                 self.side = 0
             x[SPEED] = 0.0
@@ -373,7 +381,7 @@ class IndependentChain:
 
     def run(self, time, currents):
         """Readings before each period, from rest in the middle of the stuck band. [m]"""
-        self.side, self.drag, self.now = 0, [0, 0], 0.0
+        self.side, self.pressed, self.drag, self.now = 0, 0, [0, 0], 0.0
         self.half_widths = [self.backlash_half_width * (1.0 + way * self.backlash_wear) for way in (-1.0, 1.0)]
         x = np.zeros(10)
         x[FLUX] = currents[0]

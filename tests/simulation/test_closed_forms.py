@@ -126,7 +126,10 @@ def test_time_of_way_inverts_the_way():
     for slip in SLIPS.values():
         duration = 0.004
         way = transition(*(*slip, duration))[4] * 0.3 + transition(*(*slip, duration))[5] * 5.0
-        assert time_of_way(*(*slip, 0.3, 5.0, way, 0.01)) == pytest.approx(duration, rel=1e-12)
+        assert time_of_way(*(*slip, 0.3, 5.0, way, 0.01, 0.0)) == pytest.approx(duration, rel=1e-12)
+        steady = 0.2
+        way += steady * duration
+        assert time_of_way(*(*slip, 0.3, 5.0, way, 0.01, steady)) == pytest.approx(duration, rel=1e-9)
 
 
 def test_free_decay_follows_the_damped_sine():

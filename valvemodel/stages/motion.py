@@ -9,7 +9,7 @@ from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.load import has_load
 from valvemodel.stages.part import is_coarse, pressure_at
-from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, rests_on_bristles
+from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, time_on_bristles
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import break_away, breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
@@ -266,13 +266,14 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
     if state.plan_elastic == 1.0:
-        is_held = memory.part_count == 0.0
-        if state.plan_series == 1.0 and (is_held or p.area_slope == 0.0) and not (is_held and is_coarse(tolerance)):
-            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
-        if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
-            return duration
+        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
+        if state.mode == STUCK:
+            rest = time_on_bristles(p, state, memory, time, duration, tolerance)
+            if state.mode == STUCK:
+                return rest
         return advance_travel(p, state, memory, time, duration, tolerance)
     pressure = pressure_at(memory, time)
     if memory.part_count == 0.0 and state.plan_closed == 1.0:
@@ -311,8 +312,10 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
 
     Once they are bent as far as they go, it slips on dry friction.
     """
-    if state.mode == STUCK and rests_on_bristles(p, state, memory, time, duration, tolerance):
-        return duration
+    if state.mode == STUCK:
+        rest = time_on_bristles(p, state, memory, time, duration, tolerance)
+        if state.mode == STUCK:
+            return rest
     side, position, pressure = state.mode, state.position, pressure_at(memory, time)
     limit = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
@@ -378,7 +381,7 @@ def advance_slip(p, state, pressure, duration, breaks_away):
             next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
     if TOUCHING < contact < way:
         # The play closes: the transmitter follows only from here on.
-        step = time_of_way(mass, viscous, stiffness, speed, start, contact, step)
+        step = time_of_way(mass, viscous, stiffness, speed, start, contact, step, 0.0)
         vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
         way, has_stopped = contact, False
         next_speed, next_acceleration = vv * speed + va * start, av * speed + aa * start
@@ -402,7 +405,7 @@ def leave_trace(state, mass, damping, stiffness, speed, acceleration, next_speed
 @compiled
 def hit_limit(p, state, mass, damping, stiffness, speed, acceleration, room, step):
     """Move a slip to the end of the travel; return the time used. [s]"""
-    step = time_of_way(mass, damping, stiffness, speed, acceleration, max(room, 0.0), step)
+    step = time_of_way(mass, damping, stiffness, speed, acceleration, max(room, 0.0), step, 0.0)
     vv, va, av, aa, _, _ = transition(mass, damping, stiffness, step)
     next_speed, next_acceleration = vv * speed + va * acceleration, av * speed + aa * acceleration
     leave_trace(state, mass, damping, stiffness, speed, acceleration, next_speed, next_acceleration)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.nodes import fit_powers, left_out
+from valvemodel.stages.nodes import NODES, first_fall, fit_powers, left_out
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.rest import break_away, is_blocked
 from valvemodel.stages.sliders import (
@@ -105,20 +105,34 @@ def pull_bristles(p, state, side, way, limit):
 
 
 @compiled
-def rests_on_bristles(p, state, memory, time, duration, tolerance):
-    """Return whether a stem on bristles stays where it is, else choose its side; a negligible swing is left out."""
+def time_on_bristles(p, state, memory, time, duration, tolerance):
+    """Return how long a stem on bristles stays where it is, at most a duration; its side is chosen where it goes. [s]
+
+    A negligible swing is left out; what presses it on an end of the travel holds it until it has turned.
+    """
     net = net_on_bristles(p, state, memory, time)
+    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
     if is_negligible(p, state, memory, time, net, tolerance):
-        if memory.part_count == 0.0 and state.plan_varies == 0.0:
-            return True
+        if is_held:
+            return duration
         net = net_on_bristles(p, state, memory, time + duration)
         if is_negligible(p, state, memory, time + duration, net, tolerance):
-            return True
+            return duration
     side = RISING if net > 0.0 else FALLING
     if net == 0.0 or is_blocked(state, state.position, side):
-        return True
+        return duration if is_held or net == 0.0 else time_pressed(p, state, memory, time, duration, side)
     break_away(p, state, side)
-    return False
+    return 0.0
+
+
+@compiled
+def time_pressed(p, state, memory, time, duration, side):
+    """Return how long a moving force goes on pressing a stem on bristles to a side, at most a duration. [s]"""
+    length = min(duration, state.plan_longest)
+    spacing, nets = length / NODES, memory.values
+    for node in range(NODES + 1):
+        nets[node] = side * net_on_bristles(p, state, memory, time + node * spacing)
+    return min(first_fall(NODES, nets, memory.powers) * spacing, length)
 
 
 @compiled

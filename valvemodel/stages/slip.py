@@ -186,18 +186,21 @@ def motion_after(mass, damping, stiffness, speed, acceleration, duration):
 
 
 @compiled
-def time_of_way(mass, damping, stiffness, speed, acceleration, distance, high):
-    """Return when a slip has gone a distance that it goes within a bracket; bracketed Newton iteration. [s]"""
+def time_of_way(mass, damping, stiffness, speed, acceleration, distance, high, steady):
+    """Return when a slip has gone a distance that it goes within a bracket; bracketed Newton iteration. [s]
+
+    The speed is counted from a steady one, 0 but where the force on the slip is a ramp.
+    """
     low, bound = 0.0, high
     instant = following = 0.5 * high
     for _ in range(ROUNDS):
         vv, va, _, _, yv, ya = transition(mass, damping, stiffness, instant)
-        missing = distance - (yv * speed + ya * acceleration)
+        missing = distance - (steady * instant + yv * speed + ya * acceleration)
         if missing > 0.0:
             low = instant
         else:
             high = instant
-        v = vv * speed + va * acceleration
+        v = steady + vv * speed + va * acceleration
         following = instant + missing / v if v > 0.0 else 0.5 * (low + high)
         if not low < following < high:
             following = 0.5 * (low + high)

@@ -72,8 +72,10 @@ def lag_behind(p, state, memory, place, time_constant, was, part, reading, decay
         return end - behind * decay
     gain = part * (end - start) / (state.linkage - was)
     of_velocity, of_acceleration = lag_of_slip(time_constant, state.trace_damping, state.trace_stiffness)
-    forced = gain * (of_velocity * state.trace_velocity + of_acceleration * state.trace_acceleration)
-    following = gain * (of_velocity * state.trace_next_velocity + of_acceleration * state.trace_next_acceleration)
+    steady = state.trace_steady
+    forced = of_velocity * (state.trace_velocity - steady) + of_acceleration * state.trace_acceleration
+    following = of_velocity * (state.trace_next_velocity - steady) + of_acceleration * state.trace_next_acceleration
+    forced, following = gain * (forced + time_constant * steady), gain * (following + time_constant * steady)
     if memory.trace_count > 0.0:
         following += lag_of_pulls(p, state, memory, place, time_constant, part, gain, of_acceleration)
     return end - following - (behind - forced) * decay
