@@ -22,10 +22,6 @@ LATE_UNDER_LOAD = 0.5
 """What a stem under a held load is late by in root mean square, over what its usual slope gives: it also rests."""
 
 
-ON_BRISTLES = 50.0
-"""How much more a stem on bristles is off: each step swings it, and they remember what it swung by."""
-
-
 @compiled
 def has_drifts(p):
     """Return whether gap, load or friction change while the current is held."""
@@ -40,8 +36,6 @@ def may_hold_drifts(p, period, tolerance):
     # A gap drifts fastest at the start.
     pull = p.diaphragm_area * STEEPEST * p.supply_pressure * math.sqrt(p.flow_ratio)
     fastest = LATE_UNDER_LOAD * usual_slope(p) + friction_drift(p) + pull * abs(p.gap_drift_rate)
-    if p.presliding_compliance > 0.0:
-        fastest *= ON_BRISTLES
     return late_by(p, period) * fastest <= tolerance * p.spring_rate
 
 

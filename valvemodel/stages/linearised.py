@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
+from valvemodel.stages.load import has_load, load
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.presliding import (
     bristle_after,
@@ -17,12 +18,21 @@ from valvemodel.stages.presliding import (
 )
 from valvemodel.stages.rest import break_away, come_to_rest, is_blocked, meet_limit
 from valvemodel.stages.slip import falling_instant, first_stop, time_of_way, transition
-from valvemodel.stages.stem import FALLING, RISING, STUCK, limiting_friction, room_to, tangent_stiffness, thrust
+from valvemodel.stages.stem import (
+    FALLING,
+    RISING,
+    STUCK,
+    inner_thrust,
+    limiting_friction,
+    room_to,
+    tangent_stiffness,
+    thrust,
+)
 
 LEFT_OVER = 2e5
 """Force that one step may leave over, for a metre of the tolerance. [N/m]"""
 
-NEGLIGIBLE_SWING = 1e-3
+NEGLIGIBLE_SWING = 3e-3
 """A stuck stem whose next elastic swing is a smaller share of the tolerance goes to its balance."""
 
 SETTLED = 3.0
@@ -54,10 +64,12 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     duration = min(duration, state.plan_longest)
     moves = memory.part_count > 0.0 or state.plan_varies == 1.0
     mass, position = p.stem_mass, state.position
-    driving = driving_at(p, memory, position, time)
-    net = driving - elastic_friction(p, state)
-    at_end = net + driving_at(p, memory, position, time + duration) - driving if moves else net
+    loaded = load(p, time) if has_load(p) else 0.0
+    driving = inner_thrust(p, position, pressure_at(memory, time)) + loaded
+    net = at_end = driving - elastic_friction(p, state)
     if state.mode == STUCK:
+        if moves:
+            at_end += thrust(p, position, pressure_at(memory, time + duration), time + duration) - driving
         if settles(p, state, memory, time, duration, net, at_end, tolerance):
             return duration
         side = RISING if net > 0.0 or (net == 0.0 and at_end > 0.0) else FALLING
@@ -69,7 +81,7 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     speed, room = side * state.velocity, room_to(state, side)
     _, sliding, viscous, stiffness = resistance(p, state, memory, side, time, speed)
     start, stop = (side * net - viscous * speed) / mass, math.inf
-    trial, steady, bow = state.trial_step, 0.0, 0.0
+    trial, steady, bow, loaded_then = state.trial_step, 0.0, 0.0, loaded
     step = min(trial, duration)
     if not moves:
         stop = first_stop(mass, viscous, stiffness, speed, start)
@@ -83,20 +95,23 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         has_stopped = stop <= step
         step = min(step, stop)
         if moves:
-            middle = driving_at(p, memory, position, time + 0.5 * step)
-            after = driving_at(p, memory, position, time + step)
-            bow = side * (middle - 0.5 * (driving + after))
+            loaded_then = load(p, time + step) if has_load(p) else 0.0
+            after = inner_thrust(p, position, pressure_at(memory, time + step)) + loaded_then
             steady = ramp_speed(p, side * (after - driving) / step, stiffness)
+            bow = side * p.diaphragm_area * bow_of_pressure(memory, time, step)
         vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
         if moves and steady + vv * (speed - steady) + va * start <= 0.0:
             step, has_stopped = stop_on_ramp(mass, viscous, stiffness, speed, start, steady, step), True
+            loaded_then = load(p, time + step) if has_load(p) else 0.0
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
         next_speed = 0.0 if has_stopped else steady + vv * (speed - steady) + va * start
         next_acceleration, way = av * (speed - steady) + aa * start, steady * step + yv * (speed - steady) + ya * start
         end, then = position + side * way, time + step
-        limit = limiting_friction(p, side, end, pressure_at(memory, then), then, next_speed)
+        pressure = pressure_at(memory, then)
+        limit = limiting_friction(p, side, end, pressure, then, next_speed)
         bristle = bristle_after(p, state, side, way, limit)
-        left_over = side * driving_at(p, memory, end, then) - friction_after(p, state, side, way, limit, bristle)
+        left_over = side * (inner_thrust(p, end, pressure) + loaded_then)
+        left_over -= friction_after(p, state, side, way, limit, bristle)
         next_viscous = sliding
         if p.bristle_damping > 0.0:
             next_viscous += bristle_viscosity(p, bristle_stiffness(p, bristle, limit))
@@ -134,9 +149,15 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
 
 
 @inlined
-def driving_at(p, memory, position, time):
-    """Return the force that drives the stem at a position and an instant, all but friction. [N]"""
-    return thrust(p, position, pressure_at(memory, time), time)
+def bow_of_pressure(memory, time, step):
+    """Return how far the pressure in the middle of a step is off the straight line between its ends. [Pa]
+
+    A load bows by little: no step is longer than a part of its shortest wave's period.
+    """
+    if memory.part_count == 0.0:
+        return 0.0
+    ends = pressure_at(memory, time) + pressure_at(memory, time + step)
+    return pressure_at(memory, time + 0.5 * step) - 0.5 * ends
 
 
 @compiled
@@ -207,7 +228,7 @@ def calmed(p, state, memory, time, step, driving, speed, start, viscous, stiffne
     stop = BEYOND * first_stop(p.stem_mass, viscous, stiffness, speed, start if speed > 0.0 else 1.0)
     if stop >= step:
         return speed, start, step
-    after = driving_at(p, memory, state.position, time + step)
+    after = thrust(p, state.position, pressure_at(memory, time + step), time + step)
     steady = ramp_speed(p, state.mode * (after - driving) / step, stiffness)
     swing = math.sqrt(p.stem_mass / stiffness)
     if (abs(speed - steady) + abs(start) * swing) * swing > NEGLIGIBLE_SWING * tolerance:

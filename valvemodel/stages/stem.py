@@ -417,6 +417,15 @@ def friction_growth(p, time):
 @compiled
 def thrust(p, position, pressure, time):
     """Return the force that drives the stem, all but friction. [N]"""
+    force = inner_thrust(p, position, pressure)
+    if has_load(p):
+        force += load(p, time)
+    return force
+
+
+@inlined
+def inner_thrust(p, position, pressure):
+    """Return the force of pressure, spring and stops on the stem: what drives it without a load. [N]"""
     force = driving_force(pressure, position, p.diaphragm_area, p.spring_rate, p.spring_preload)
     if p.area_slope != 0.0:
         force += p.diaphragm_area * p.area_slope * position * pressure
@@ -428,8 +437,6 @@ def thrust(p, position, pressure, time):
         force -= p.spring_rate * p.spring_progression * position * position
     if p.stop_compliance > 0.0:
         force -= (max(position - p.upper_stop, 0.0) - max(p.lower_stop - position, 0.0)) / p.stop_compliance
-    if has_load(p):
-        force += load(p, time)
     return force
 
 
