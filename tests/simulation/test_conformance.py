@@ -218,3 +218,12 @@ def test_stiff_bristles_are_nearly_dry_friction(damping, tolerance, compliance):
     some = slice(0, 40)
     found = run(stiff, TIME[some], CURRENT[some], tolerance=tolerance)
     assert np.abs(found - run(base, TIME[some], CURRENT[some])).max() < 2e-5
+
+
+@pytest.mark.parametrize("time_constant", [2e-4, 2e-3, 2e-2])
+def test_quick_coil_beside_a_sagging_supply_is_followed_within_the_tolerance(time_constant):
+    """What a polynomial over many time constants of the coil takes for a turn of the pressure is none."""
+    model = with_effects(BASE, "supply_droop").with_effect("coil_lag", coil_time_constant=time_constant)
+    exact, coarse = (run(model, TIME, CURRENT, tolerance=tolerance) for tolerance in (TOLERANCE, SEARCH_TOLERANCE))
+    assert np.abs(coarse - exact).max() < SEARCH_TOLERANCE
+    assert np.abs(run(model, TIME, CURRENT, tolerance=FINE_TOLERANCE) - exact).max() < 1e-9

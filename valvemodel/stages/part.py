@@ -35,6 +35,9 @@ REST_SHARE = 0.02
 SHORTEST_PART = 1e-6
 """Parts are not made shorter: what a kink of the pressure does within is far below a nanometre. [s]"""
 
+CUTS, LONGER = 1, 4.0
+"""Cuts of a part at a kink before it is halved at one instead, and how much longer the next part is tried."""
+
 NEARLY = 2.0 ** np.arange(1, NODES + 3)
 """By how much the error of a polynomial through nodes falls when its length is halved, by their count."""
 
@@ -91,26 +94,31 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
     length = left
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
+    cuts = 0
     while True:
         kept = allowed_force(p, state, tolerance, max(length, time_to_fill(p) + time_to_vent(p))) / p.diaphragm_area
         end = lay_nodes(p, state, memory, drive, time, length / count, count, slack, kept)
-        # A pressure at a limited rate would be far beyond its aim a moment later.
-        shortest = SHORTEST_PART if p.filling_slowness == 0.0 else INSTANT
-        if end < count and length > shortest:
-            length = max(length * end / count, shortest)
-            continue
         fit_powers(count, memory.pressures, memory.part_powers)
         off = left_out(count, memory.part_powers) * p.diaphragm_area
         allowed = allowed_force(p, state, tolerance, length)
-        if off <= allowed or length <= SHORTEST_PART:
+        if off > allowed and length > SHORTEST_PART:
+            # What is left out shrinks with a high power of the length.
+            finer = 0.5 if off < allowed * NEARLY[count] else 0.25
+            length = max(finer * length, SHORTEST_PART)
+            continue
+        # A pressure at a limited rate would be far beyond its aim a moment later.
+        shortest = SHORTEST_PART if p.filling_slowness == 0.0 else INSTANT
+        if not (end < count and length > shortest):
             break
-        # What is left out shrinks with a high power of the length.
-        finer = 0.5 if off < allowed * NEARLY[count] else 0.25
-        length = max(finer * length, SHORTEST_PART)
+        # What a polynomial that is too long takes for a kink goes with its length and is never met.
+        length = max(length * (end / count if cuts < CUTS else 0.5), shortest)
+        cuts += 1
     if off < allowed / NEARLY[count + 1]:
         state.part_aim = max(2.0 * length, state.part_aim)
     elif length < left:
         state.part_aim = length
+    if cuts > CUTS:
+        state.part_aim = min(state.part_aim, LONGER * length)
     memory.part_count, memory.part_time, memory.part_spacing = count, time, length / count
     end_part(p, state, memory, drive, length, tolerance)
     return length
