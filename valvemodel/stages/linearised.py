@@ -32,7 +32,7 @@ from valvemodel.stages.stem import (
 LEFT_OVER = 2e5
 """Force that one step may leave over, for a metre of the tolerance. [N/m]"""
 
-NEGLIGIBLE_SWING = 3e-3
+NEGLIGIBLE_SWING = 1e-2
 """A stuck stem whose next elastic swing is a smaller share of the tolerance goes to its balance."""
 
 SETTLED = 3.0
