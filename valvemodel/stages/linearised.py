@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.load import has_load, load
+from valvemodel.stages.load import load_if_any
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.presliding import (
     bristle_after,
@@ -16,8 +16,8 @@ from valvemodel.stages.presliding import (
     friction_after,
     pull_bristles,
 )
-from valvemodel.stages.rest import break_away, come_to_rest, is_blocked, meet_limit
-from valvemodel.stages.slip import falling_instant, first_stop, time_of_way, transition
+from valvemodel.stages.rest import are_forces_held, break_away, come_to_rest, is_blocked, meet_limit
+from valvemodel.stages.slip import BEYOND, falling_instant, first_stop, time_of_way, transition
 from valvemodel.stages.stem import (
     FALLING,
     RISING,
@@ -37,9 +37,6 @@ NEGLIGIBLE_SWING = 1e-2
 
 SETTLED = 3.0
 """Time constants of a creep to its balance after which it is taken to be there."""
-
-BEYOND = 1.05
-"""Longest step over the time to the stop without what a ramp adds."""
 
 PAST_REVERSAL = 1.01
 """Share of the time to a reversal of the force, by a straight line, after which it has reversed."""
@@ -62,9 +59,9 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     added to the spring's. What pressure and load add along a step is a ramp.
     """
     duration = min(duration, state.plan_longest)
-    moves = memory.part_count > 0.0 or state.plan_varies == 1.0
+    moves = not are_forces_held(state, memory)
     mass, position = p.stem_mass, state.position
-    loaded = load(p, time) if has_load(p) else 0.0
+    loaded = load_if_any(p, time)
     driving = inner_thrust(p, position, pressure_at(memory, time)) + loaded
     net = at_end = driving - elastic_friction(p, state)
     if state.mode == STUCK:
@@ -95,14 +92,14 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         has_stopped = stop <= step
         step = min(step, stop)
         if moves:
-            loaded_then = load(p, time + step) if has_load(p) else 0.0
+            loaded_then = load_if_any(p, time + step)
             after = inner_thrust(p, position, pressure_at(memory, time + step)) + loaded_then
             steady = ramp_speed(p, side * (after - driving) / step, stiffness)
             bow = side * p.diaphragm_area * bow_of_pressure(memory, time, step)
         vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
         if moves and steady + vv * (speed - steady) + va * start <= 0.0:
             step, has_stopped = stop_on_ramp(mass, viscous, stiffness, speed, start, steady, step), True
-            loaded_then = load(p, time + step) if has_load(p) else 0.0
+            loaded_then = load_if_any(p, time + step)
             vv, va, av, aa, yv, ya = transition(mass, viscous, stiffness, step)
         next_speed = 0.0 if has_stopped else steady + vv * (speed - steady) + va * start
         next_acceleration, way = av * (speed - steady) + aa * start, steady * step + yv * (speed - steady) + ya * start
@@ -124,7 +121,7 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     # What is left over grows with the square of the time; what the forces bow by is a parabola.
     corrected = max(way + ya * (left_over / 6.0 + bow / 1.5) / mass, 0.0)
     # A lag sees the correction as a little speed all along the step.
-    little, traced_speed = (corrected - way) / step, next_speed
+    little, traced_speed = (corrected - way) / step if step > 0.0 else 0.0, next_speed
     has_hit = not corrected <= room
     if has_hit:
         step = time_of_way(mass, viscous, stiffness, speed - steady, start, max(room, 0.0), step, steady)
@@ -224,7 +221,7 @@ def calmed(p, state, memory, time, step, driving, speed, start, viscous, stiffne
 
     A step of 0 says that the stem comes to rest at once. A swing that counts is followed half by half.
     """
-    # Without the ramp it would stop here; two stops are farther apart than a little more.
+    # Without the ramp it would stop here.
     stop = BEYOND * first_stop(p.stem_mass, viscous, stiffness, speed, start if speed > 0.0 else 1.0)
     if stop >= step:
         return speed, start, step

@@ -34,6 +34,12 @@ def load(p, time):
     return force
 
 
+@inlined
+def load_if_any(p, time):
+    """Return the load force at an instant, 0 where none acts. [N]"""
+    return load(p, time) if has_load(p) else 0.0
+
+
 @compiled
 def higher_waves(p, sine, cosine):
     """Return the load of all waves but the first, whose sine and cosine are given. [N]"""

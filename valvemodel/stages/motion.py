@@ -268,12 +268,12 @@ def advance_stem(p, state, memory, time, duration, tolerance):
     if state.plan_elastic == 1.0:
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)
-        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
-            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         if state.mode == STUCK:
             rest = time_on_bristles(p, state, memory, time, duration, tolerance)
             if state.mode == STUCK:
                 return rest
+        if state.plan_series == 1.0 and (memory.part_count == 0.0 or p.area_slope == 0.0):
+            return advance_on_bristles(p, state, memory, time, duration, tolerance)
         return advance_travel(p, state, memory, time, duration, tolerance)
     pressure = pressure_at(memory, time)
     if memory.part_count == 0.0 and state.plan_closed == 1.0:
@@ -308,14 +308,10 @@ def advance_held(p, state, pressure, duration):
 
 @compiled
 def advance_on_bristles(p, state, memory, time, duration, tolerance):
-    """Move a stem on bristles of a held limit until its next event or the end of a duration; return the time used. [s]
+    """Move a slip on bristles of a held limit until its next event or the end of a duration; return the time used. [s]
 
     Once they are bent as far as they go, it slips on dry friction.
     """
-    if state.mode == STUCK:
-        rest = time_on_bristles(p, state, memory, time, duration, tolerance)
-        if state.mode == STUCK:
-            return rest
     side, position, pressure = state.mode, state.position, pressure_at(memory, time)
     limit = sliding_friction(p, side, position, pressure, 0.0)
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)

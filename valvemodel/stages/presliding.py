@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import NODES, first_fall, fit_powers, left_out
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.rest import break_away, is_blocked
+from valvemodel.stages.rest import are_forces_held, break_away, is_blocked
 from valvemodel.stages.sliders import (
     force_of_sliders,
     has_sliders,
@@ -111,7 +111,7 @@ def time_on_bristles(p, state, memory, time, duration, tolerance):
     A negligible swing is left out; what presses it on an end of the travel holds it until it has turned.
     """
     net = net_on_bristles(p, state, memory, time)
-    is_held = memory.part_count == 0.0 and state.plan_varies == 0.0
+    is_held = are_forces_held(state, memory)
     if is_negligible(p, state, memory, time, net, tolerance):
         if is_held:
             return duration

@@ -22,6 +22,12 @@ def come_to_rest(state):
 
 
 @inlined
+def are_forces_held(state, memory):
+    """Return whether neither pressure nor load nor friction change while the current is held."""
+    return memory.part_count == 0.0 and state.plan_varies == 0.0
+
+
+@inlined
 def is_blocked(state, position, side):
     """Return whether an end of the travel bars the way to a side."""
     return position >= state.plan_highest if side > 0.0 else position <= state.plan_lowest
@@ -86,7 +92,7 @@ def sticks(p, state, pressure, time):
 @compiled
 def time_stuck(p, state, memory, time, duration, tolerance):
     """Return how long a stem that holds at an instant goes on holding, at most a duration. [s]"""
-    if memory.part_count == 0.0 and state.plan_varies == 0.0:
+    if are_forces_held(state, memory):
         return duration
     count = COARSE_NODES if is_coarse(tolerance) else NODES
     length = min(duration, state.plan_longest)

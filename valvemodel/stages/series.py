@@ -18,7 +18,7 @@ from valvemodel.stages.sliders import (
     stiffness_of_sliders,
     way_to_sliding,
 )
-from valvemodel.stages.slip import STOP_SPEED, first_stop
+from valvemodel.stages.slip import BEYOND, STOP_SPEED, first_stop
 from valvemodel.stages.stem import room_to, sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
 TERM_SHARE = 1e-3
@@ -26,9 +26,6 @@ TERM_SHARE = 1e-3
 
 REACH_SHARE = 1e-4
 """The same of the reach of the bristles, where that is shorter."""
-
-BEYOND = 1.05
-"""Longest step over the time to the stop of the linear part, the stiffest: two zeros of the speed are farther apart."""
 
 ROUGH = 1e3
 """Share of the motion, over the tolerance, below which a term is left out while the speed feeds on itself. [1/m]"""

@@ -12,6 +12,9 @@ from valvemodel.compiled import compiled, inlined
 STOP_SPEED = 1e-6
 """Below this speed a slip has ended where the net force is within the breakaway force. [m/s]"""
 
+BEYOND = 1.05
+"""Longest step over the time to the stop of the linear part, the stiffest: two zeros of the speed are farther apart."""
+
 SHORT = 0.25
 """Below this product of a rate and a duration the power series is summed: the closed forms would cancel."""
 

@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
-from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES, has_load, load, steepest_slope
+from valvemodel.stages.load import HIGHER_COSINES, HIGHER_SINES, MOST_WAVES, has_load, load_if_any, steepest_slope
 from valvemodel.stages.sliders import bend_sliders, has_sliders
 from valvemodel.stages.slip import STOP_SPEED
 
@@ -417,10 +417,7 @@ def friction_growth(p, time):
 @compiled
 def thrust(p, position, pressure, time):
     """Return the force that drives the stem, all but friction. [N]"""
-    force = inner_thrust(p, position, pressure)
-    if has_load(p):
-        force += load(p, time)
-    return force
+    return inner_thrust(p, position, pressure) + load_if_any(p, time)
 
 
 @inlined

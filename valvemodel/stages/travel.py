@@ -11,7 +11,7 @@ from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_power
 from valvemodel.stages.part import is_coarse
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
-from valvemodel.stages.slip import STOP_SPEED, first_stop
+from valvemodel.stages.slip import BEYOND, STOP_SPEED, first_stop
 from valvemodel.stages.stem import room_to, sliding_friction, thrust
 from valvemodel.stages.step import STEP_SHARE, begin_step, slip_force, sweep_step
 from valvemodel.stages.transmitter import has_lag
@@ -21,9 +21,6 @@ SHORTEST_STEP = 1e-9
 
 UNSTABLE = 3.0
 """Longest step over the time in which an unstable speed grows by a factor of e."""
-
-BEYOND = 1.05
-"""Longest step over the time to the stop that the linear part alone foresees."""
 
 MEETING = 1e-3
 """Share of the tolerance within which an event is met."""
