@@ -39,6 +39,9 @@ HELD = {
 }
 """The current's steps jolt the stem: its swings are remembered, and count for more."""
 
+OFF = {"filling and tight spot": 4.0, "held": 5.0, "load": 7.0, "slow load": 5.0}
+"""Root mean square error over the tolerance, at most, where it is not far below it."""
+
 
 def on_bristles(name: str, reach: float) -> Model:
     model = base_model()
@@ -53,8 +56,7 @@ def on_bristles(name: str, reach: float) -> Model:
 def test_coarse_run_on_bristles_is_near_the_exact_one(name, reach):
     model = on_bristles(name, reach)
     off = run(model, TIME, CURRENT, tolerance=SEARCH_TOLERANCE) - run(model, TIME, CURRENT)
-    share = 4.0 if name == "filling and tight spot" else 8.0 if name in HELD else 0.3
-    assert np.sqrt(np.mean(off**2)) < share * SEARCH_TOLERANCE
+    assert np.sqrt(np.mean(off**2)) < OFF.get(name, 0.3) * SEARCH_TOLERANCE
 
 
 @pytest.mark.parametrize("name", ["held", "filling", "filling and stop", "load", "filling and lag"])
