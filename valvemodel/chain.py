@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.bow import unbow
-from valvemodel.stages.electromagnet import advance_flux, gap_of_current, rest_electromagnet
+from valvemodel.stages.electromagnet import advance_flux, gap_of_current, has_coil_lag, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.linkage import drag_linkage, shift_linkage
 from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
@@ -55,7 +55,7 @@ def has_pressure_dynamics(p):
     """Return whether the pressure moves while the current is held."""
     return (
         p.gap_drift_rate != 0.0
-        or p.coil_time_constant > 0.0
+        or has_coil_lag(p)
         or p.chamber_filling_time > 0.0
         or is_amplified(p)
         or p.droop_gain > 0.0

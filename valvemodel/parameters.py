@@ -47,7 +47,7 @@ STATE = np.dtype(
     [
         (name, "f8")
         for name in (
-            "flux_current", "hysteresis", "hysteresis_input",
+            "flux_current", "less_lagged_flux", "hysteresis", "hysteresis_input",
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
             "part_aim", "rest_drive", "chamber_rate", "filled_rate",
             "position", "velocity", "mode", "bristle", "trial_step",
@@ -102,14 +102,14 @@ MEMORY = np.dtype(
         ("notes_events", "f8"),
         ("events_noted", "f8"),
         ("events", EVENT, (MOST_NOTED,)),
-        ("lags", LAG, (6,)),
+        ("lags", LAG, (7,)),
         ("responses", RESPONSE, (1,)),
     ]
     + [
         (name, "f8")
         for name in (
             "part_time", "part_spacing", "part_count",
-            "end_flux", "end_input", "end_hysteresis",
+            "end_flux", "end_less_lagged_flux", "end_input", "end_hysteresis",
             "end_share", "end_supply", "end_supplied", "end_chamber", "end_filled",
             "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
             "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",

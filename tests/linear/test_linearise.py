@@ -43,6 +43,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     "ringing": valve().with_values(viscous_friction=1.59),
     "sag from the nozzle's air": valve(supply_droop={"droop_consumption": 0.3, "droop_recovery_time": 0.05}),
     "two lags": valve(sensor_lag={"sensor_time_constant": 4e-3, "sensor_second_time_constant": 2e-3}),
+    "eddy currents": valve(coil_lag={"coil_time_constant": 4e-3, "eddy_time_constant": 2e-3}),
     "a filter alone": valve(sensor_lag={"sensor_time_constant": 0.0, "sensor_second_time_constant": 3e-3}),
     "a worn joint": valve(
         linkage_backlash={"backlash_half_width": 2e-3, "backlash_wear": 0.4}, sensor_lag=QUICK["sensor_lag"]

@@ -2,7 +2,7 @@
 
 Not a line of the simulator: SciPy's DOP853 at 1e-12 between events that it locates itself, kinks of the pressure
 among them. State: flux current, place in the hysteresis loop, sag, chamber and filled pressure, stem position and
-speed, bristle force, lagged reading, and that behind a filter.
+speed, bristle force, lagged reading, and that behind a filter; the coil's current, before the eddy currents.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-FLUX, LOOP, SAG, CHAMBER, FILLED, STEM, SPEED, BRISTLE, READING, FILTERED = range(10)
+FLUX, LOOP, SAG, CHAMBER, FILLED, STEM, SPEED, BRISTLE, READING, FILTERED, COIL = range(11)
 STOP_SPEED = 1e-6
 WITHIN = 1e-10
 """Share of the breakaway force that a creep must be inside of; the rest of its way is below 1e-11 m."""
@@ -96,11 +96,15 @@ class IndependentChain:
 
     def upstream(self, time, x, current):
         """Rates of all that is upstream of the stem, and the actuator pressure."""
-        rates = np.zeros(10)
+        rates = np.zeros(11)
         has_lag = self.coil_time_constant > 0.0
         flux = x[FLUX] if has_lag else current
-        if has_lag:
+        if has_lag and self.eddy_time_constant > 0.0:
+            rates[COIL] = (current - x[COIL]) / self.coil_time_constant
+            rates[FLUX] = (x[COIL] - flux) / self.eddy_time_constant
+        elif has_lag:
             rates[FLUX] = (current - flux) / self.coil_time_constant
+        if has_lag:
             bent = self.saturated(flux + 1e-30j * rates[FLUX]).imag / 1e-30
             rates[LOOP] = self.loop_rate(x[LOOP], bent)
         gap = self.gap(flux, x[LOOP], time)
@@ -316,7 +320,7 @@ class IndependentChain:
 
     def scales(self):
         share = self.precision
-        return np.array([1e-2, 1.0, 3e5, 3e5, 3e5, 0.1, 0.1, 1e3, 0.1, 0.1]) * share
+        return np.array([1e-2, 1.0, 3e5, 3e5, 3e5, 0.1, 0.1, 1e3, 0.1, 0.1, 1e-2]) * share
 
     def switch(self, x, current):
         """What a jump of the current does at once."""
@@ -383,8 +387,8 @@ class IndependentChain:
         """Readings before each period, from rest in the middle of the stuck band. [m]"""
         self.side, self.pressed, self.drag, self.now = 0, 0, [0, 0], 0.0
         self.half_widths = [self.backlash_half_width * (1.0 + way * self.backlash_wear) for way in (-1.0, 1.0)]
-        x = np.zeros(10)
-        x[FLUX] = currents[0]
+        x = np.zeros(11)
+        x[FLUX] = x[COIL] = currents[0]
         share = self.share(self.gap(currents[0], 0.0, 0.0))
         self.held_share = share
         x[SAG] = self.settled_sag(share)

@@ -37,8 +37,8 @@ HOLD_TIME = 0.3
 """A move ends with a current that stands still for so long, and three of each of the valve's time constants. [s]"""
 
 TIME_CONSTANTS = (
-    "coil_time_constant", "chamber_filling_time", "fill_time", "vent_time", "droop_recovery_time",
-    "sensor_time_constant", "sensor_second_time_constant", "transport_delay",
+    "coil_time_constant", "eddy_time_constant", "chamber_filling_time", "fill_time", "vent_time",
+    "droop_recovery_time", "sensor_time_constant", "sensor_second_time_constant", "transport_delay",
 )  # fmt: skip
 
 WATCH_TIME = 5.0

@@ -16,7 +16,7 @@ TREATMENTS = {
         True, "in slip on the branch of its side, with slope 1; stuck: the slope of the initial curve"
     ),
     "magnetic_saturation": Treatment(True, "its slope at the current"),
-    "coil_lag": Treatment(True, "a first-order lag"),
+    "coil_lag": Treatment(True, "a first-order lag, or two in series"),
     "gap_drift": Treatment(False, "a disturbance: the point is taken at the start"),
 }
 
@@ -26,7 +26,8 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint, pade_order: int)
     slope = evaluate(numeric.saturated_current_by_current, numbers, current=point.current)
     return [
         delay("line", numbers["transport_delay"], pade_order, "current", "arrived_current"),
-        lag("coil", numbers["coil_time_constant"], "current", "arrived_current", "flux_current"),
+        lag("coil", numbers["coil_time_constant"], "current", "arrived_current", "coil_current"),
+        lag("eddies", numbers["eddy_time_constant"], "flux", "coil_current", "flux_current"),
         gain("core", slope * hysteresis_slope(numbers, point), "flux_current", "effective_current"),
     ]
 

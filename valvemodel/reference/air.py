@@ -16,7 +16,7 @@ Pressure = Callable[[float], float]
 
 def moves(n: SimpleNamespace) -> bool:
     """Return whether the pressure moves under a held current."""
-    return n.gap_drift_rate != 0.0 or n.coil_time_constant > 0.0 or flows(n)
+    return n.gap_drift_rate != 0.0 or n.coil_time_constant > 0.0 or n.eddy_time_constant > 0.0 or flows(n)
 
 
 class Air:

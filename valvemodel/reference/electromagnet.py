@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from math import exp, expm1, log, log1p, sqrt
+from math import exp, expm1, inf, log, log1p, sqrt
 from types import SimpleNamespace
+
+from valvemodel.reference.instant import first_instant
+from valvemodel.reference.lags import answer_of_both
 
 PLAYS = 8
 """Equal shares of an exponential density of half-widths."""
@@ -27,7 +30,10 @@ class Electromagnet:
 
     def __init__(self, numbers: SimpleNamespace, current: float) -> None:
         self.numbers = numbers
-        self.flux = self.held = current
+        # Two lags in series may stand in either order.
+        self.shorter, self.longer = sorted((numbers.coil_time_constant, numbers.eddy_time_constant))
+        self.lagged = self.flux = self.held = current
+        self.turn = inf
         self.magnetised = saturated(numbers, current)
         self.loop = 0.0
         self.plays = [self.magnetised] * PLAYS
@@ -35,26 +41,53 @@ class Electromagnet:
     def hold(self, current: float) -> None:
         """Switch to a current."""
         self.held = current
+        self.turn = self.turning_instant()
+
+    def turning_instant(self) -> float:
+        """Return when the flux turns while the current is held, behind the second lag; never if it need not. [s]"""
+        ahead = self.lagged - self.flux
+        if self.shorter == 0.0 or ahead * (self.held - self.lagged) >= 0.0:
+            return inf
+        return first_instant(
+            lambda instant: ahead * (self.lagged_after(instant) - self.flux_after(instant)) <= 0.0, 1e3
+        )
+
+    def lagged_after(self, duration: float) -> float:
+        """Return the current behind the longer lag: tau di_1/dt = i - i_1. [A]"""
+        if self.longer == 0.0:
+            return self.held
+        return self.held + (self.lagged - self.held) * exp(-duration / self.longer)
 
     def flux_after(self, duration: float) -> float:
-        """Return the current that the flux stands for: tau di_e/dt = i - i_e. [A]"""
-        if self.numbers.coil_time_constant == 0.0:
+        """Return the current that the flux stands for: tau_e di_e/dt = i_1 - i_e. [A]"""
+        if self.longer == 0.0:
             return self.held
-        return self.held + (self.flux - self.held) * exp(-duration / self.numbers.coil_time_constant)
+        began = (self.lagged - self.held) * self.longer * answer_of_both(self.longer, self.shorter, duration)
+        dying = (self.flux - self.held) * exp(-duration / self.shorter) if self.shorter > 0.0 else 0.0
+        return self.held + dying + began
 
-    def loop_after(self, magnetising: float) -> float:
-        """Return where in its loop the core is, -1..1.
+    def core_after(self, duration: float) -> tuple[float, float, list[float]]:
+        """Return the magnetising current [A], where in its loop the core is, and the plays [A], past a turn or not."""
+        core = self.magnetised, self.loop, self.plays
+        for instant in (self.turn, duration):
+            if instant <= duration:
+                magnetising = saturated(self.numbers, self.flux_after(instant))
+                core = magnetising, self.loop_after(magnetising, *core[:2]), self.plays_after(magnetising, core[2])
+        return core
+
+    def loop_after(self, magnetising: float, before: float, loop: float) -> float:
+        """Return where in its loop the core is, -1..1, after a magnetising current before and where it was then.
 
         dz = (1 - |z| ((1 - gamma) sign(z di) + gamma)) di / (2 h (1 - gamma) (1 + rho)): where z and di are opposed a
         straight line in dz and z, up to z = 0; beyond it another one.
         """
         n = self.numbers
-        change = magnetising - self.magnetised
+        change = magnetising - before
         if n.hysteresis_half_width == 0.0 or change == 0.0:
-            return self.loop
+            return loop
         side = 1.0 if change > 0.0 else -1.0
         way = abs(change) / (2.0 * n.hysteresis_half_width * (1.0 - n.bouc_wen_gamma) * (1.0 + n.hysteresis_roundness))
-        place, slope = side * self.loop, 1.0 - 2.0 * n.bouc_wen_gamma
+        place, slope = side * loop, 1.0 - 2.0 * n.bouc_wen_gamma
         if place < 0.0:
             to_middle = -place if slope == 0.0 else log(1.0 - slope * place) / slope
             if way < to_middle:
@@ -63,29 +96,27 @@ class Electromagnet:
             place, way = 0.0, way - to_middle
         return side * (1.0 - (1.0 - place) * exp(-way))
 
-    def plays_after(self, magnetising: float) -> list[float]:
-        """Return where the plays are: each is dragged along at its half-width from the magnetising current. [A]"""
+    def plays_after(self, magnetising: float, plays: list[float]) -> list[float]:
+        """Return where plays are then: each is dragged along at its half-width from the magnetising current. [A]"""
         scale = self.numbers.hysteresis_half_width * (1.0 + self.numbers.hysteresis_roundness)
         widths = [scale * half_width for half_width in HALF_WIDTHS]
         return [
-            min(max(play, magnetising - width), magnetising + width)
-            for play, width in zip(self.plays, widths, strict=True)
+            min(max(play, magnetising - width), magnetising + width) for play, width in zip(plays, widths, strict=True)
         ]
 
     def current_after(self, duration: float) -> float:
         """Return the effective current: lagged, saturated, behind Dahl's curve or behind the mean of the plays. [A]"""
         n = self.numbers
-        magnetising = saturated(n, self.flux_after(duration))
-        behind = n.hysteresis_half_width * self.loop_after(magnetising)
-        behind_plays = magnetising - sum(self.plays_after(magnetising)) / PLAYS
+        magnetising, loop, plays = self.core_after(duration)
+        behind = n.hysteresis_half_width * loop
+        behind_plays = magnetising - sum(plays) / PLAYS
         return magnetising - behind + n.return_point_memory * (behind - behind_plays / (1.0 + n.hysteresis_roundness))
 
     def advance(self, duration: float) -> None:
         """Let a duration pass."""
-        self.flux = self.flux_after(duration)
-        magnetising = saturated(self.numbers, self.flux)
-        self.loop, self.plays = self.loop_after(magnetising), self.plays_after(magnetising)
-        self.magnetised = magnetising
+        self.magnetised, self.loop, self.plays = self.core_after(duration)
+        self.lagged, self.flux = self.lagged_after(duration), self.flux_after(duration)
+        self.turn = self.turning_instant()
 
 
 def saturated(n: SimpleNamespace, current: float) -> float:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import asin, atan, ceil, exp, expm1, floor, sqrt
+from math import asin, atan, ceil, exp, floor, sqrt
 from types import SimpleNamespace
 
 import numpy as np
 
 from valvemodel.reference.electromagnet import crept
 from valvemodel.reference.instant import first_instant
+from valvemodel.reference.lags import answer_of_both
 from valvemodel.reference.slip import Motion
 
 NODES = [(float(node), float(weight)) for node, weight in zip(*np.polynomial.legendre.leggauss(12), strict=True)]
@@ -88,15 +89,6 @@ class Sensor:
         if n.resolution == 0.0:
             return reading
         return n.resolution_offset + n.resolution * floor((reading - n.resolution_offset) / n.resolution + 0.5)
-
-
-def answer_of_both(longer: float, shorter: float, time: float) -> float:
-    """Return how two lags in series answer an impulse; equal ones too, and one alone. [1/s]"""
-    if shorter == 0.0:
-        return exp(-time / longer) / longer
-    rate = 1.0 / shorter - 1.0 / longer
-    share = -expm1(-rate * time) / rate if rate > 0.0 else time
-    return exp(-time / longer) * share / longer / shorter
 
 
 def zero_drift(n: SimpleNamespace, time: float) -> float:

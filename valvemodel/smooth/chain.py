@@ -27,7 +27,7 @@ TIMED = frozenset({"gap_drift", "sensor_drift", "load_force", "friction_drift"})
 """Effects that make the time a state."""
 
 SCALES = {
-    "flux_current": 1e-3, "hysteresis_input": 1e-3, "hysteresis": 1.0,
+    "flux_current": 1e-3, "less_lagged_flux": 1e-3, "hysteresis_input": 1e-3, "hysteresis": 1.0,
     **dict.fromkeys(electromagnet.PLAY_STATES, 1e-3),
     "droop": 1e4, "supplied_pressure": 1e4, "chamber_pressure": 1e4, "filled_pressure": 1e4, "pressure": 1e4,
     "position": 1e-2, "velocity": 1e-1, "bristle": 1e2, **dict.fromkeys(stem.SLIDER_STATES, 1e-4),
@@ -84,13 +84,14 @@ class SmoothChain:
         self.model, self.parts = model, parts
         self.remembers = model.numbers.get("return_point_memory", 0.0) > 0.0
         self.slides = model.numbers.get("slider_share", 0.0) > 0.0
+        self.has_eddies = model.numbers.get("eddy_time_constant", 0.0) > 0.0
         self.filters = model.numbers.get("sensor_second_time_constant", 0.0) > 0.0
         self.smears = model.numbers.get("line_dispersion", 0.0) > 0.0
         self.wears = model.numbers.get("backlash_wear", 0.0) > 0.0
         self.turns = model.numbers.get("linkage_arm", 0.0) > 0.0 and model.numbers["linkage_skew"] != 0.0
         self.parameters = (*numbers, WIDTH)
         self.states = (
-            *electromagnet.states_of(self.effects, remembers=self.remembers),
+            *electromagnet.states_of(self.effects, has_eddies=self.has_eddies, remembers=self.remembers),
             *nozzle.states_of(self.effects, smears=self.smears),
             *stem.states_of(self.effects, slides=self.slides),
             *sensor.states_of(self.effects, filters=self.filters, wears=self.wears),
@@ -117,6 +118,7 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects, p.remembers, p.slides = self.effects, self.remembers, self.slides
+        p.has_eddies = self.has_eddies
         p.filters, p.smears, p.wears, p.turns = self.filters, self.smears, self.wears, self.turns
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0

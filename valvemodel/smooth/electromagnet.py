@@ -8,11 +8,9 @@ from typing import Any
 import casadi as ca
 
 from valvemodel.equations.symbolic import coil_gap
+from valvemodel.smooth.lags import SHORTEST_TIME, in_series, longer_and_shorter
 from valvemodel.smooth.rounding import Expression, dead_zone, magnitude, passed
 from valvemodel.stages.plays import PLAYS, RADII
-
-SHORTEST_TIME = 1e-12
-"""A time constant is not shorter, so that its neutral value 0 has a derivative. [s]"""
 
 LEAST_CURRENT = 1e-9
 """Keeps the slope of the root, and the loop's quotients at half-width 0, finite. [A]"""
@@ -26,9 +24,9 @@ STRAIGHT = 1e-6
 PLAY_STATES = tuple(f"play_{index}" for index in range(PLAYS))
 
 
-def states_of(effects: Collection[str], *, remembers: bool) -> tuple[str, ...]:
+def states_of(effects: Collection[str], *, has_eddies: bool, remembers: bool) -> tuple[str, ...]:
     """Return the names of the states that the effects need; plays only where the hysteresis remembers by them."""
-    lag = ("flux_current",) if "coil_lag" in effects else ()
+    lag = ("flux_current", "less_lagged_flux")[: 1 + has_eddies] if "coil_lag" in effects else ()
     plays = PLAY_STATES if remembers else ()
     return lag + (("hysteresis_input", "hysteresis", *plays) if "magnetic_hysteresis" in effects else ())
 
@@ -38,6 +36,8 @@ def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
     effective = saturate(p, current) if "magnetic_saturation" in p.effects else current
     if "coil_lag" in p.effects:
         x.flux_current = current
+        if p.has_eddies:
+            x.less_lagged_flux = current
     if "magnetic_hysteresis" in p.effects:
         x.hysteresis_input, x.hysteresis = effective, 0.0
     for name in PLAY_STATES if p.remembers else ():
@@ -48,15 +48,26 @@ def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
 def advance_flux(p: Any, x: Any, current: Expression, duration: Expression) -> Expression:
     """Hold the current for a duration and return the mean current that the flux stands for. [A]"""
     if "coil_lag" in p.effects:
-        rate = duration / ca.fmax(p.coil_time_constant, SHORTEST_TIME)
-        departure = x.flux_current - current
-        x.flux_current = current + departure * ca.exp(-rate)
-        current = current + departure * passed(rate)
+        longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant, has_both=p.has_eddies)
+        x.flux_current, flux = lag_behind(x.flux_current, current, duration, longer)
+        if p.has_eddies:
+            x.less_lagged_flux, less_lagged = lag_behind(x.less_lagged_flux, current, duration, shorter)
+            flux = in_series(longer, shorter, flux, less_lagged)
+        current = flux
     if "magnetic_saturation" in p.effects:
         current = saturate(p, current)
     if "magnetic_hysteresis" in p.effects:
         current = magnetise(p, x, current)
     return current
+
+
+def lag_behind(
+    flux: Expression, current: Expression, duration: Expression, time_constant: Expression
+) -> tuple[Expression, Expression]:
+    """Return a flux that lags a held current, at the end of a duration and in the mean of it. [A]"""
+    rate = duration / ca.fmax(time_constant, SHORTEST_TIME)
+    departure = flux - current
+    return current + departure * ca.exp(-rate), current + departure * passed(rate)
 
 
 def saturate(p: Any, current: Expression) -> Expression:

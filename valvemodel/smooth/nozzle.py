@@ -8,7 +8,8 @@ from typing import Any
 import casadi as ca
 
 from valvemodel.equations.symbolic import static_pressure
-from valvemodel.smooth.electromagnet import CORNER, SHORTEST_TIME
+from valvemodel.smooth.electromagnet import CORNER
+from valvemodel.smooth.lags import SHORTEST_TIME
 from valvemodel.smooth.rounding import Expression, gate, passed, ramp
 from valvemodel.stages.amplifier import LEAST_ROOT
 from valvemodel.stages.nozzle import ATMOSPHERE

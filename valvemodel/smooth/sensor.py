@@ -7,10 +7,10 @@ from typing import Any
 
 import casadi as ca
 
-from valvemodel.smooth.electromagnet import SHORTEST_TIME, crept
+from valvemodel.smooth.electromagnet import crept
+from valvemodel.smooth.lags import SHORTEST_TIME, in_series, longer_and_shorter
 from valvemodel.smooth.rounding import Expression, dead_zone, passed
 from valvemodel.stages.bow import BY_ROD, BY_SLOT, DEAD_POINT, SKEW
-from valvemodel.stages.transmitter import APART
 
 BOW_STEPS = 4
 """Newton's steps from a reading to the position that a bowed linkage indicates so."""
@@ -121,12 +121,8 @@ def lag_behind(
 
 
 def time_constants(p: Any) -> tuple[Expression, Expression]:
-    """Return the longer and the shorter time constant, kept apart about their mean. [s]"""
-    if not p.filters:
-        return p.sensor_time_constant, 0.0
-    mean = 0.5 * (p.sensor_time_constant + p.sensor_second_time_constant)
-    half = 0.5 * ca.fmax(ca.fabs(p.sensor_time_constant - p.sensor_second_time_constant), APART * mean)
-    return mean + half, mean - half
+    """Return the longer and the shorter time constant. [s]"""
+    return longer_and_shorter(p.sensor_time_constant, p.sensor_second_time_constant, has_both=p.filters)
 
 
 def indicated(p: Any, x: Any) -> Expression:
@@ -143,11 +139,11 @@ def read_sensor(p: Any, x: Any, time: Expression) -> Expression:
 
 
 def lagged_reading(p: Any, x: Any) -> Expression:
-    """Return what comes out of both lags in series, by partial fractions. [m]"""
+    """Return what comes out of both lags in series. [m]"""
     if not p.filters:
         return x.lagged_reading
     longer, shorter = time_constants(p)
-    return x.lagged_reading + shorter / (longer - shorter) * (x.lagged_reading - x.less_lagged_reading)
+    return in_series(longer, shorter, x.lagged_reading, x.less_lagged_reading)
 
 
 def sensor_drift(p: Any, time: Expression) -> Expression:

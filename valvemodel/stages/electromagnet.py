@@ -8,8 +8,11 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 from valvemodel.stages.creep import creep_parameters, crept
-from valvemodel.stages.lag import remember_lag
+from valvemodel.stages.lag import in_series, longer_and_shorter, remember_lag
 from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays, used_up
+
+TURNED = 1e-9
+"""Share of a part within which its end is the turn of the flux."""
 
 STRAIGHT = 1e-9
 """Steepness of the curve behind the middle of the loop below which it is a straight line there."""
@@ -120,10 +123,25 @@ EFFECTS = (
         key="coil_lag",
         stage="electromagnet",
         title="coil lag",
-        meaning="inductance and eddy currents delay the flux by a first-order lag",
-        equation=r"\tau\,di_e/dt = i - i_e",
-        source="eq. (17) with the resistance kept",
-        parameters=(Parameter("coil_time_constant", "s", "time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),),
+        meaning="the inductance delays the current, and eddy currents in a solid core delay the flux behind it",
+        equation=r"\tau\,di_1/dt = i - i_1,\quad \tau_e\,di_e/dt = i_1 - i_e",
+        source=(
+            "eq. (17) with the resistance kept; the eddy currents of a solid core by their slowest mode: Stoll, The "
+            "Analysis of Eddy Currents (1974)"
+        ),
+        parameters=(
+            Parameter("coil_time_constant", "s", "time constant of the coil", 0.0, 3.0, 0.0, (0.1, 0.5)),
+            Parameter(
+                "eddy_time_constant",
+                "s",
+                "second lag in series, of the core's eddy currents",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 0.03),
+                is_later=True,
+            ),
+        ),
         aliases=("sensor_lag", "chamber_filling", "transport_delay", "asymmetric_filling"),
         acts_in_time=True,
         told_apart_by=(
@@ -146,6 +164,23 @@ EFFECTS = (
         told_apart_by="a measured pressure; or drift followed at low and high current, where the gap acts differently",
     ),
 )
+
+
+@inlined
+def has_coil_lag(p):
+    """Return whether the flux lags the current."""
+    return p.coil_time_constant > 0.0 or p.eddy_time_constant > 0.0
+
+
+@inlined
+def flux_departs(p, state, current):
+    """Return by how much the flux, or the current behind the longer of two lags, departs from the current held. [A]"""
+    departure = abs(state.flux_current - current)
+    longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant)
+    if shorter > 0.0:
+        flux = in_series(longer, shorter, state.flux_current, state.less_lagged_flux)
+        departure = max(departure, abs(flux - current))
+    return departure
 
 
 @inlined
@@ -221,25 +256,44 @@ def lay_currents(p, state, memory, current, spacing, count):
 
     Return where they have a kink, in spacings.
     """
-    lag, flux = memory.lags[3], current
+    lag, shorter_lag, flux, less_lagged = memory.lags[3], memory.lags[6], current, current
     memory.end_hysteresis = state.hysteresis
-    if p.coil_time_constant > 0.0:
-        remember_lag(lag, 1.0 / p.coil_time_constant, spacing, count)
+    longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant)
+    if longer > 0.0:
+        remember_lag(lag, 1.0 / longer, spacing, count)
+    if shorter > 0.0:
+        remember_lag(shorter_lag, 1.0 / shorter, spacing, count)
     for node in range(count + 1):
-        if p.coil_time_constant > 0.0:
+        if longer > 0.0:
             flux = current + (state.flux_current - current) * lag.decay[node]
-        effective = saturate(p, flux)
+        acting = flux
+        if shorter > 0.0:
+            less_lagged = current + (state.less_lagged_flux - current) * shorter_lag.decay[node]
+            acting = in_series(longer, shorter, flux, less_lagged)
+        effective = saturate(p, acting)
         memory.values[node] = memory.end_input = effective
         if p.hysteresis_half_width > 0.0 and effective != state.hysteresis_input:
             memory.end_hysteresis = hysteresis_after(p, state, effective - state.hysteresis_input)
         effective -= p.hysteresis_half_width * memory.end_hysteresis
         memory.currents[node] = effective
-    memory.end_flux = flux
+    memory.end_flux, memory.end_less_lagged_flux = flux, less_lagged
     if p.hysteresis_half_width == 0.0:
         return math.inf
-    if p.return_point_memory > 0.0:
-        return lay_plays(p, state, memory, count)
-    return middle_of_loop(p, state, memory, count)
+    end = lay_plays(p, state, memory, count) if p.return_point_memory > 0.0 else middle_of_loop(p, state, memory, count)
+    return min(end, turn_of_flux(longer, shorter, state, current, spacing * count) / spacing)
+
+
+@compiled
+def turn_of_flux(longer, shorter, state, current, duration):
+    """Return when the flux turns, behind two lags after the current did, within a duration; else never. [s]
+
+    di_e/dt = ((i - i_l) e^(-t/l) - (i - i_s) e^(-t/s)) / (l - s), of the longer and the shorter lag alone.
+    """
+    behind_longer, behind_shorter = state.flux_current - current, state.less_lagged_flux - current
+    if shorter == 0.0 or behind_longer == 0.0 or behind_shorter / behind_longer <= 1.0:
+        return math.inf
+    turn = math.log(behind_shorter / behind_longer) * longer * shorter / (longer - shorter)
+    return turn if turn < (1.0 - TURNED) * duration else math.inf
 
 
 @compiled
@@ -258,7 +312,7 @@ def middle_of_loop(p, state, memory, count):
 @compiled
 def accept_currents(p, state, memory):
     """Take the stage to the end of the part that was laid."""
-    state.flux_current = memory.end_flux
+    state.flux_current, state.less_lagged_flux = memory.end_flux, memory.end_less_lagged_flux
     if p.return_point_memory > 0.0:
         pull_plays(p, state, memory.end_input)
     state.hysteresis_input, state.hysteresis = memory.end_input, memory.end_hysteresis
@@ -282,7 +336,7 @@ def gap_of_current(p, current, time):
 @compiled
 def rest_electromagnet(p, state, current):
     """Put the stage at rest under a current, in the middle of its hysteresis loop."""
-    state.flux_current = current
+    state.flux_current = state.less_lagged_flux = current
     state.hysteresis_input = saturate(p, current)
     state.hysteresis = 0.0
     state.plays[:] = state.hysteresis_input

@@ -4,11 +4,30 @@ from __future__ import annotations
 
 import math
 
-from valvemodel.compiled import compiled
+from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, fit_powers
 
 LONG = 8.0
 """Rate times spacing from which the responses are taken upwards; below, the power series is summed."""
+
+APART = 3e-4
+"""Share of their mean by which two lags are kept apart: a reading is off by 3e-9 of what the stem moves."""
+
+
+@inlined
+def longer_and_shorter(first, second):
+    """Return the time constants of two lags in series, kept apart about their mean; which comes first is one. [s]"""
+    if second == 0.0:
+        return first, 0.0
+    mean = 0.5 * (first + second)
+    half = max(0.5 * abs(first - second), 0.5 * APART * mean)
+    return mean + half, mean - half
+
+
+@inlined
+def in_series(longer, shorter, by_longer, by_shorter):
+    """Return what comes out of both lags in series: by partial fractions, a sum of one and the other alone."""
+    return by_longer + shorter / (longer - shorter) * (by_longer - by_shorter)
 
 
 @compiled

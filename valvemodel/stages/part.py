@@ -9,7 +9,14 @@ import numpy as np
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.amplifier import INSTANT, lay_amplifier
 from valvemodel.stages.chamber import lay_chamber
-from valvemodel.stages.electromagnet import accept_currents, advance_flux, gap_of_current, lay_currents
+from valvemodel.stages.electromagnet import (
+    accept_currents,
+    advance_flux,
+    flux_departs,
+    gap_of_current,
+    has_coil_lag,
+    lay_currents,
+)
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fit_powers, left_out, value_at
 from valvemodel.stages.nozzle import (
     behind_leak,
@@ -131,7 +138,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack, kept):
     The pressures that the amplifier follows may be off their polynomial by what may be kept from then on. [Pa]
     """
     end = lay_currents(p, state, memory, drive, spacing, count)
-    is_still = p.coil_time_constant == 0.0 and p.gap_drift_rate == 0.0
+    is_still = not has_coil_lag(p) and p.gap_drift_rate == 0.0
     resting = 0.0
     for node in range(count + 1):
         if is_still and node > 0:
@@ -163,7 +170,7 @@ def end_part(p, state, memory, drive, length, tolerance):
     count = int(memory.part_count)
     near = near_pressure(p, state, tolerance)
     accept_currents(p, state, memory)
-    is_near = abs(state.flux_current - drive) * p.supply_pressure <= near * CURRENT_SPAN and p.gap_drift_rate == 0.0
+    is_near = flux_departs(p, state, drive) * p.supply_pressure <= near * CURRENT_SPAN and p.gap_drift_rate == 0.0
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
         state.share, state.droop = memory.end_share, p.supply_pressure - memory.end_supply
         is_near = is_near and abs(state.droop - drawn_to_settle(p, state.share)) <= near
@@ -173,7 +180,7 @@ def end_part(p, state, memory, drive, length, tolerance):
     state.pressure = memory.pressures[count]
     state.rest_drive = math.nan
     if is_near:
-        state.flux_current = drive
+        state.flux_current = state.less_lagged_flux = drive
         effective = advance_flux(p, state, drive)
         rest_nozzle(p, state, gap_of_current(p, effective, 0.0), effective)
         state.rest_drive = drive

@@ -6,15 +6,12 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.bow import bow, bow_slope
-from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.lag import follow_nodes, in_series, longer_and_shorter, remember_lag
 from valvemodel.stages.linkage import dragged_place
 from valvemodel.stages.nodes import slope_at
 
 NEAR_POLE = 1e-6
 """Distance from the pole of `lag_of_slip` that is kept: the reading is off by this share of its lag."""
-
-APART = 3e-4
-"""Share of their mean by which two lags are kept apart: the reading is off by 3e-9 of what the stem moves."""
 
 
 @inlined
@@ -25,13 +22,8 @@ def has_lag(p):
 
 @inlined
 def time_constants(p):
-    """Return the longer and the shorter time constant, kept apart about their mean; which comes first is one. [s]"""
-    if p.sensor_second_time_constant == 0.0:
-        return p.sensor_time_constant, 0.0
-    mean = 0.5 * (p.sensor_time_constant + p.sensor_second_time_constant)
-    half = 0.5 * abs(p.sensor_time_constant - p.sensor_second_time_constant)
-    half = max(half, 0.5 * APART * mean)
-    return mean + half, mean - half
+    """Return the longer and the shorter time constant. [s]"""
+    return longer_and_shorter(p.sensor_time_constant, p.sensor_second_time_constant)
 
 
 @inlined
@@ -112,11 +104,11 @@ def lag_of_slip(time_constant, damping, stiffness):
 
 @inlined
 def lagged_reading(p, state):
-    """Return what comes out of both lags in series: by partial fractions, a sum of one and the other alone. [m]"""
+    """Return what comes out of both lags in series. [m]"""
     if p.sensor_second_time_constant == 0.0:
         return state.lagged_reading
     longer, shorter = time_constants(p)
-    return state.lagged_reading + shorter / (longer - shorter) * (state.lagged_reading - state.less_lagged_reading)
+    return in_series(longer, shorter, state.lagged_reading, state.less_lagged_reading)
 
 
 @compiled
