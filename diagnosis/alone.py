@@ -124,10 +124,15 @@ def called_for(base: Candidate, work: Work, tried: Sequence[Candidate]) -> Work:
 def beside_reading(
     tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try all effects beside one that is read off the record, where that comes nearest and leaves something."""
+    """Try all effects beside one that is read off the record, where that comes nearest and leaves something.
+
+    Few readings lie beyond the steps, and the error has many minima: the nearest are searched about.
+    """
     nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
     work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)
-    return try_all(work, holdout, pool, progress, "2 effects together")
+    pairs = try_all(work, holdout, pool, progress, "2 effects together")
+    near = blunt(best_of(pairs, 2), tried[0])
+    return with_better(pairs, sharpen_all(near, holdout, pool, progress))
 
 
 def rounds(library: Sequence[Effect]) -> list[list[str]]:

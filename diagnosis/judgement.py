@@ -59,10 +59,11 @@ NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.2, 0.35
 of that form that is allowed beside one more that comes to the noise, or takes in most of it; and what it leaves then: a
 wrong one seldom makes up for another's form so. Of single blind effects that left more than the notice none did."""
 
-MOST_IMITATED = 6.0
-"""The most that several effects lose so against the noise, one of which hides in the base valve: beside it another
-effect imitates what is none of the two, but seldom to the noise. Of eleven blind valves of our own that were given such
-a pair the six right ones came within 1.1 of it in square, the five that imitated what was left out did not."""
+MOST_IMITATED, IMITATES_FROM = 6.0, 1.1
+"""The most that several effects lose so against the noise, one of which hides in the base valve, and the squared error
+from which they do: beside it another effect imitates what is none of the two, but seldom to the noise. Of eleven blind
+valves of our own that were given such a pair the six right ones came within that, the five that imitated what was left
+out did not."""
 
 MORE_NUMBERS = 2
 """Free numbers that another cause may have more for it to be the nearer one by itself and not by them."""
@@ -273,7 +274,7 @@ def lost_by_imitation(candidates: Sequence[Candidate]) -> np.ndarray:
     for number, each in enumerate(candidates):
         effects = [effect_of_key(key) for key in each.fit.model.effects]
         if len(effects) > 1 and any(one.hides_in_base for one in effects) and not any(one.is_jagged for one in effects):
-            lost[number] = np.clip((misfit(each) - AT_NOISE) / BEHIND, 0.0, MOST_IMITATED)
+            lost[number] = np.clip((misfit(each) - IMITATES_FROM) / BEHIND, 0.0, MOST_IMITATED)
     return lost
 
 

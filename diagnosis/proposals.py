@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
-from diagnosis.explaining import explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.judgement import is_felt
 from diagnosis.standing import (
+    EXPLAINS_MUCH,
     EXPLAINS_SOME,
     NEAR_THE_BEST,
     alone_of,
@@ -48,8 +49,9 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
-BEHIND = 1.5
-"""Factor by which an alias of one of the best two effects lies behind it where its fit may have gone astray."""
+BEHIND, SLIGHTLY = 1.5, 1.02
+"""Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
+tried once more: as fitted alone with the other effect on top, and on top of that."""
 
 
 def extensions(
@@ -76,7 +78,7 @@ def extensions(
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if effect_of_key(key).is_read_off]
     # What comes close to no effect promises little by slopes, and shows where little is left.
-    hiding = [key for key in single if "none" in effect_of_key(key).aliases]
+    hiding = [key for key in single if may_hide(key)]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
     work: list[Work] = []
     for leader in leaders:
@@ -181,6 +183,57 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
         for first, second in pairs
         if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
     ]
+
+
+def on_what_explains(tried: Sequence[Candidate]) -> list[Work]:
+    """Return what comes close to none on top of the best single cause, where that explains the record but leaves some.
+
+    The base valve's numbers make up for most of it: it promises little by slopes, beside whatever else.
+    """
+    best = best_of(tried, 1)[0]
+    (own,) = best.effects
+    if misfit(best) < AT_NOISE or not explains(best, tried[0]) or not is_quick(own) or is_laid_on_top(best):
+        return []
+    known = {frozenset(each.effects) for each in tried}
+    values = {key: dict(each.fit.model.effects[key]) for key, each in alone_of(tried).items()}
+    keys = [key for key in values if may_hide(key) and is_quick(key) and frozenset((own, key)) not in known]
+    return [Work(best.fit, (own, key), False, values[key]) for key in keys]
+
+
+def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best cause of two effects with each exchanged for what it may stand in for, on top of what stays.
+
+    An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
+    record nothing else was tried on top of that. It must explain much alone. What hides in the base valve's numbers
+    promises little by slopes. Nothing can come nearer than to the noise, and what lies far behind in either order is
+    none.
+    """
+    best = best_of(tried, 2)[0]
+    if misfit(best) < AT_NOISE:
+        return []
+    alone = alone_of(tried)
+    known = {frozenset(each.effects): each for each in tried}
+    work: list[Work] = []
+    for kept, left in (best.effects, best.effects[::-1]):
+        if not is_quick(kept) or alone[kept].has_series or misfit(alone[kept]) > EXPLAINS_MUCH * misfit(tried[0]):
+            continue
+        for key, other in alone.items():
+            if (
+                key in best.effects
+                or not is_quick(key)
+                or other.has_series
+                or not (are_aliases(key, left) or may_hide(key))
+            ):
+                continue
+            before = known.get(frozenset((kept, key)))
+            if before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best)):
+                work.append(Work(alone[kept].fit, (kept, key), False, dict(other.fit.model.effects[key])))
+    return worthwhile(work, tried)
+
+
+def may_hide(key: str) -> bool:
+    """Return whether an effect is declared to come close to none at all."""
+    return "none" in effect_of_key(key).aliases
 
 
 def exchanged(tried: Sequence[Candidate]) -> list[Work]:

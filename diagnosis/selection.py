@@ -18,6 +18,8 @@ from diagnosis.proposals import (
     extensions,
     leaders_of,
     left_alone,
+    on_what_explains,
+    on_what_stays,
     reversed_pairs,
 )
 from diagnosis.standing import (
@@ -78,6 +80,7 @@ def try_together(
             break
         if size == 2 and not goes_in_jumps(order[0]):
             tried = with_better(tried, try_jointly(tried, holdout, pool, progress))
+            tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
         if not is_told(tried) and not any(explains(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, holdout, pool, progress)
         best = best_of(tried, size)
@@ -176,6 +179,7 @@ def with_kindred(
         work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
         done |= {frozenset(each.effects) for each in work}
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
+    known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
     for choice in (best_of(known, 2), aliases_of_best(known)):
         known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))

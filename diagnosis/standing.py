@@ -110,9 +110,16 @@ def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPL
 
 
 def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
-    """Return those of the first of some causes whose search may have ended beside the least error."""
+    """Return those of the first of some causes whose search may have ended beside the least error.
+
+    Of readings in coarse steps few lie beyond them, and these tell: what explains such a record may come to its noise.
+    """
     near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
-    return [each for each in near if is_blunt(each) and not explains(each, base)]
+    return [
+        each
+        for each in near
+        if (each.fit.problem.is_in_steps and misfit(each) > 1.0) or (is_blunt(each) and not explains(each, base))
+    ]
 
 
 def is_blunt(candidate: Candidate) -> bool:

@@ -127,8 +127,8 @@ def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkey
     ("second", "left", "lost"),
     [
         ("asymmetric_friction", 1.3, judgement.MOST_IMITATED),
-        ("asymmetric_friction", 1.07, 2.0),
-        ("asymmetric_friction", 1.04, 0.0),
+        ("asymmetric_friction", 1.12, 2.0),
+        ("asymmetric_friction", 1.09, 0.0),
         ("position_dependent_friction", 1.3, 0.0),
         ("quantisation", 1.3, 0.0),
     ],

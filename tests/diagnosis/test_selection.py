@@ -11,7 +11,7 @@ from diagnosis import alone as singles
 from diagnosis import proposals, selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
-from diagnosis.standing import SETTLED_SHARE, is_settled, is_worth_its_time, values_alone, with_better
+from diagnosis.standing import SETTLED_SHARE, blunt, is_settled, is_worth_its_time, values_alone, with_better
 from diagnosis.trying import Candidate, Work
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
@@ -19,7 +19,7 @@ from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 def candidate(misfit: float, *effects: str) -> Candidate:
     values = {key: {"size": misfit} for key in effects}
     model, found = SimpleNamespace(effects=values), SimpleNamespace(error=100.0 * misfit)
-    problem = SimpleNamespace(is_anchored="stribeck" in effects)
+    problem = SimpleNamespace(is_anchored="stribeck" in effects, is_in_steps="quantisation" in effects)
     fit = SimpleNamespace(name="+".join(effects), model=model, found=found, problem=problem)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
 
@@ -88,6 +88,7 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     ]
     monkeypatch.setattr(selection, "extensions", lambda *_: jobs)
     monkeypatch.setattr(selection, "exchanged", lambda _: [])
+    monkeypatch.setattr(selection, "on_what_stays", lambda _: [])
     done = []
 
     def try_all(work, *_):
@@ -200,11 +201,50 @@ def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
 
 @pytest.mark.parametrize(("left", "count"), [(5.0, 1), (1.0, 0)])
 def test_beside_a_coarse_reading_all_is_tried_where_it_leaves_something(monkeypatch, left, count):
-    monkeypatch.setattr(singles, "try_all", lambda work, *_: list(work))
+    def try_all(work, *_):
+        return [candidate(left - 2.0, *each.effects) for each in work]
+
+    monkeypatch.setattr(singles, "try_all", try_all)
+    monkeypatch.setattr(singles, "sharpen_all", lambda causes, *_: [replace(each, trace=9.0) for each in causes])
+    monkeypatch.setattr(singles, "with_better", lambda tried, others: [*others] or [*tried])
     monkeypatch.setattr(proposals, "promises", lambda *_: {})
     tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "coil_lag")]
-    assert len(singles.beside_reading(tried, None, None, None)) == count
-    assert singles.beside_reading(tried[::2], None, None, None) == []
+    found = singles.beside_reading(tried, None, None, lambda what, share: None)
+    assert [each.trace for each in found] == [9.0] * count  # searched about
+    assert singles.beside_reading(tried[::2], None, None, lambda what, share: None) == []
+
+
+@pytest.mark.parametrize(("left", "is_blunt"), [(1.2, True), (0.9, False)])
+def test_readings_in_coarse_steps_are_searched_about_down_to_the_noise(left, is_blunt):
+    """Few readings lie beyond the steps: what explains such a record may come nearer."""
+    pair = candidate(left, "coil_lag", "quantisation")
+    assert blunt([pair], candidate(200.0)) == [pair] * is_blunt
+
+
+@pytest.mark.parametrize(("left", "expected"), [(1.2, ["air_leak", "linkage_backlash"]), (1.01, []), (9.0, [])])
+def test_what_comes_close_to_none_is_tried_on_top_of_one_effect_that_explains_but_leaves_some(left, expected):
+    tried = [candidate(40.0), candidate(left, "supply_droop"), candidate(39.0, "coil_lag")]
+    tried += [candidate(40.0, "air_leak"), candidate(40.0, "linkage_backlash")]
+    work = proposals.on_what_explains(tried)
+    assert [each.effects for each in work] == [("supply_droop", key) for key in expected]
+    assert all(each.fit is tried[1].fit for each in work)
+    more = [*tried, candidate(left, "air_leak", "supply_droop")]
+    assert [each.effects[1] for each in proposals.on_what_explains(more)] == expected[1:]
+
+
+def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
+    """Saturation as fitted alone had gone astray beside a drift: on top of the drift it comes to the noise."""
+    alone = [candidate(1.6, "friction_drift"), candidate(97.0, "magnetic_saturation"), candidate(88.0, "choked_flow")]
+    alone += [candidate(89.0, "coil_lag"), candidate(90.0, "linkage_backlash"), candidate(89.5, "static_friction")]
+    best, behind = candidate(1.15, "friction_drift", "choked_flow"), ("magnetic_saturation", "friction_drift")
+    tried = [candidate(90.0), *alone, best]
+    expected = [("friction_drift", "magnetic_saturation"), ("friction_drift", "linkage_backlash")]
+    for known, kept in (([], 0), ([candidate(1.5, *behind)], 0), ([candidate(1.16, *behind)], 1)):
+        work = proposals.on_what_stays([*tried, *known])
+        assert [each.effects for each in work] == expected[kept:]
+        assert all(each.fit is alone[0].fit for each in work)
+    assert proposals.on_what_stays([*tried, candidate(1.5, *behind[::-1])])[0].effects == expected[1]
+    assert proposals.on_what_stays([*tried[:-1], candidate(1.01, "friction_drift", "choked_flow")]) == []
 
 
 @pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
