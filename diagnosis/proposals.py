@@ -205,11 +205,11 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
 
     An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
     record nothing else was tried on top of that. It must explain much alone. What hides in the base valve's numbers
-    promises little by slopes. Nothing can come nearer than to the noise, and what lies far behind in either order is
-    none.
+    promises little by slopes. Nothing can come nearer than to the noise, and where nothing explains the record the best
+    effects have been tried with all that promises most.
     """
     best = best_of(tried, 2)[0]
-    if misfit(best) < AT_NOISE:
+    if misfit(best) < AT_NOISE or not explains(best, tried[0]):
         return []
     alone = alone_of(tried)
     known = {frozenset(each.effects): each for each in tried}
