@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -21,6 +21,7 @@ from diagnosis.standing import (
     is_settled,
     is_worth_its_time,
     unlike,
+    values_alone,
 )
 from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
@@ -195,7 +196,7 @@ def on_what_explains(tried: Sequence[Candidate]) -> list[Work]:
     if misfit(best) < AT_NOISE or not explains(best, tried[0]) or not is_quick(own) or is_laid_on_top(best):
         return []
     known = {frozenset(each.effects) for each in tried}
-    values = {key: dict(each.fit.model.effects[key]) for key, each in alone_of(tried).items()}
+    values = values_alone(tried)
     keys = [key for key in values if may_hide(key) and is_quick(key) and frozenset((own, key)) not in known]
     return [Work(best.fit, (own, key), False, values[key]) for key in keys]
 
@@ -211,23 +212,17 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     best = best_of(tried, 2)[0]
     if misfit(best) < AT_NOISE or not explains(best, tried[0]):
         return []
-    alone = alone_of(tried)
+    alone, values = alone_of(tried), values_alone(tried)
     known = {frozenset(each.effects): each for each in tried}
+    much = EXPLAINS_MUCH * misfit(tried[0])
     work: list[Work] = []
-    for kept, left in (best.effects, best.effects[::-1]):
-        if not is_quick(kept) or alone[kept].has_series or misfit(alone[kept]) > EXPLAINS_MUCH * misfit(tried[0]):
-            continue
-        for key, other in alone.items():
-            if (
-                key in best.effects
-                or not is_quick(key)
-                or other.has_series
-                or not (are_aliases(key, left) or may_hide(key))
-            ):
-                continue
-            before = known.get(frozenset((kept, key)))
-            if before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best)):
-                work.append(Work(alone[kept].fit, (kept, key), False, dict(other.fit.model.effects[key])))
+    for kept, left, other in exchanges(best, alone.values()):
+        (key,) = other.effects
+        stays = is_quick(kept) and not alone[kept].has_series and misfit(alone[kept]) <= much
+        before = known.get(frozenset((kept, key)))
+        is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
+        if stays and is_behind and (are_aliases(left, key) or may_hide(key)):
+            work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
 
 
@@ -247,14 +242,19 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     work: dict[frozenset[str], Work] = {}
     pairs = best_of(tried, 2)
     for best in pairs[: 1 if is_settled(pairs[0], tried[0]) else LEADERS]:
-        for kept, left in (best.effects, best.effects[::-1]):
-            values = dict(best.fit.model.effects[kept])
-            for other in best_of(tried, 1):
-                key = other.effects[0]
-                cause = frozenset((key, kept))
-                is_behind = known.get(cause, math.inf) > BEHIND * misfit(best)
-                if other.has_series:
-                    continue
-                if are_aliases(left, key) and key != kept and is_behind and is_quick(key):
-                    work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
+        for kept, left, other in exchanges(best, best_of(tried, 1)):
+            (key,) = other.effects
+            cause, values = frozenset((key, kept)), dict(best.fit.model.effects[kept])
+            if are_aliases(left, key) and known.get(cause, math.inf) > BEHIND * misfit(best):
+                work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
+
+
+def exchanges(pair: Candidate, alone: Iterable[Candidate]) -> Iterator[tuple[str, str, Candidate]]:
+    """Yield which of two effects stays, which makes room, and each single one that may take its place.
+
+    A search for that one beside another must be quick; a whole series of waves takes no effect's place.
+    """
+    others = [each for each in alone if is_quick(each.effects[0]) and not each.has_series]
+    for kept, left in (pair.effects, pair.effects[::-1]):
+        yield from ((kept, left, each) for each in others if each.effects[0] not in pair.effects)

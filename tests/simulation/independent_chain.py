@@ -37,6 +37,12 @@ class IndependentChain:
         self.lowest = max(self.travel_min, self.lower_stop) if is_dead else self.travel_min
         self.ratio = max(self.static_friction_ratio, self.stribeck_ratio)
 
+    @classmethod
+    def of(cls, model):
+        """The chain of a model's numbers."""
+        row = model.rows()[0]
+        return cls({name: float(row[name]) for name in row.dtype.names})
+
     # Electromagnet and nozzle, some of it for complex arguments: their imaginary part carries a derivative.
 
     def saturated(self, current):

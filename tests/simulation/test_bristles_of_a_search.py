@@ -71,10 +71,9 @@ def test_coarse_runs_on_bristles_come_nearer_as_their_tolerance_falls(name):
 def test_stem_pressed_on_a_stop_springs_back_when_the_force_turns():
     """Bristles that the stem bent on its way push it back at once, not from the next part of the period on."""
     model = on_bristles("filling and stop", 2e-4)
-    row = model.rows()[0]
     time = np.arange(150) / 50.0
     current = np.interp(time, (0.0, 1.5, 3.0), (12e-3, 17e-3, 12e-3))
-    independent = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    independent = IndependentChain.of(model).run(time, current)
     exact = run(model, time, current)
-    assert (exact == row["upper_stop"]).sum() > 20
+    assert (exact == model.rows()[0]["upper_stop"]).sum() > 20
     assert np.abs(exact - independent).max() < 1e-8

@@ -45,8 +45,7 @@ BESIDE = [
 def test_run_is_within_its_tolerance_of_an_independent_integration(keys):
     model = stopped(2e-7, with_effects(base_model(), *keys))
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     for tolerance, bound in {TOLERANCE: 1e-9, FINE_TOLERANCE: 1e-7, SEARCH_TOLERANCE: 5e-5}.items():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 

@@ -31,8 +31,7 @@ def test_a_coarse_run_is_within_its_tolerance_of_an_independent_integration(key)
     model = drifting(key)
     assert may_hold_drifts(model.rows()[0], PERIOD, SEARCH_TOLERANCE)
     coarse = run(model, TIME, CURRENT, tolerance=SEARCH_TOLERANCE)
-    row = model.rows()[0]
-    independent = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(TIME, CURRENT)
+    independent = IndependentChain.of(model).run(TIME, CURRENT)
     assert np.abs(coarse - independent).max() < SEARCH_TOLERANCE
     without = run(model.without_effect(key), TIME, CURRENT)
     assert np.abs(coarse - without).max() > 50.0 * SEARCH_TOLERANCE

@@ -31,8 +31,7 @@ PAIRS = (
 def test_run_is_within_its_tolerance(keys):
     model = with_effects(base_model(), *keys)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     for tolerance, bound in BOUNDS.items():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 
@@ -41,8 +40,7 @@ def test_bouc_and_wen_behind_a_coil_that_lags_is_within_its_tolerance():
     law = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "bouc_wen_gamma": 0.4}
     model = with_effects(base_model(), "coil_lag").with_effect("magnetic_hysteresis", **law)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     for tolerance, bound in BOUNDS.items():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 
@@ -53,8 +51,7 @@ def test_friction_that_falls_with_a_tail_is_within_its_tolerance(keys, shape):
     law = {"stribeck_ratio": 1.4, "stribeck_velocity": 8e-3, "stribeck_shape": shape, "stribeck_tail": 1.0}
     model = with_effects(base_model(), *keys).with_effect("stribeck", **law)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     for tolerance, bound in BOUNDS.items():
         # What a step is off grows while the friction falls.
         allowed = bound if tolerance == TOLERANCE else 3.0 * bound
@@ -64,8 +61,7 @@ def test_friction_that_falls_with_a_tail_is_within_its_tolerance(keys, shape):
 def test_progressive_spring_is_within_its_tolerance():
     model = base_model().with_effect("spring_hardening", spring_hardening=2.0, spring_progression=1.0)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     assert np.abs(run(model, time, current) - expected).max() < BOUNDS[TOLERANCE]
 
 
@@ -75,8 +71,7 @@ def test_unequal_filling_behind_a_coil_that_lags_is_within_its_tolerance(times):
     model = base_model().with_effect("coil_lag", coil_time_constant=coil)
     model = model.with_effect("asymmetric_filling", fill_time=fill, vent_time=vent, filling_slowness=0.0)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     # Where the direction turns, the integration that judges is itself up to two tenths of a micrometre off.
     for tolerance, bound in {FINE_TOLERANCE: 3e-7, SEARCH_TOLERANCE: 1e-5}.items():
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance

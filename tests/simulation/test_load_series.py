@@ -47,8 +47,8 @@ def test_the_slope_of_the_load_stays_within_its_bound(waves):
 
 def test_the_exact_run_agrees_with_two_that_share_no_code_with_it():
     model = series(MOST_WAVES)
-    exact, row = run(model, TIME, CURRENT), model.rows()[0]
-    independent = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(TIME, CURRENT)
+    exact = run(model, TIME, CURRENT)
+    independent = IndependentChain.of(model).run(TIME, CURRENT)
     assert np.abs(exact - independent).max() < 1e-6
     slowly = simulate_slowly(model, time=TIME, current=CURRENT)
     assert np.abs(simulate(model, time=TIME, current=CURRENT).position - slowly.position).max() < 1e-6

@@ -30,8 +30,7 @@ def test_closed_form_is_the_same_in_plain_python(speed, damping):
 def test_integrated_run_is_within_its_tolerance(speed, other):
     model = sticking(speed, other)
     time, current = ramps_and_steps(seconds=3.0, seed=1)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(time, current)
+    expected = IndependentChain.of(model).run(time, current)
     assert np.abs(run(model, time, current) - expected).max() < 1e-9
 
 

@@ -76,8 +76,7 @@ EFFECTS = [
 @pytest.mark.parametrize("wear", WEARS[1:])
 def test_worn_joint_agrees_with_an_independent_integration(keys, wear):
     model = with_play(wear, *keys)
-    row = model.rows()[0]
-    expected = IndependentChain({name: float(row[name]) for name in row.dtype.names}).run(TIME, CURRENT)
+    expected = IndependentChain.of(model).run(TIME, CURRENT)
     # Coarse steps on bristles are not cut where a play closes, worn or not.
     bounds = {TOLERANCE: BOUNDS[TOLERANCE]} if "presliding" in keys else BOUNDS
     for tolerance, bound in bounds.items():
