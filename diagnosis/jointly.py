@@ -17,6 +17,7 @@ from identification.fit import Fit, finished
 from identification.holdout import Holdout
 from identification.pairs import Trace, begun, promising_pairs, traces_of
 from identification.problem import Problem
+from identification.screening import released
 from identification.search import Found, descend, descend_to_end
 from valvemodel.effects import effect_of_key
 
@@ -126,6 +127,6 @@ def looked(start: Start, points: int) -> Found:
 
 @threadpool_limits.wrap(limits=1)
 def followed_to_end(start: Start, holdout: Holdout) -> Candidate:
-    """Follow a start down to the end and score what comes out."""
-    problem, point = start
+    """Follow a start down to the end, with what its effects free of the base valve, and score what comes out."""
+    problem, point = released(*start)
     return scored(tuple(problem.model.effects), finished(problem, descend_to_end(problem, point)), holdout)

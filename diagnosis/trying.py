@@ -20,6 +20,7 @@ from identification.reduction import reduced
 from identification.screening import screened
 from identification.sharpening import sharpened
 from identification.stick_slip import SlipSearch
+from valvemodel.base_valve import BY_PRESSURE
 from valvemodel.effects import effect_of_key
 
 SERIES = 2
@@ -145,9 +146,12 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 
 
 def freedom_of(fit: Fit) -> int:
-    """Return the number of free parameters of a fit's effects; a series of like numbers, held by its prior, is few."""
-    fitted = [parameter for key in fit.model.effects for parameter in effect_of_key(key).fitted]
-    return sum(not each.is_higher for each in fitted) + (SERIES if fit.problem.has_series else 0)
+    """Return the number of free parameters that a fit's effects bring; a series, held by its prior, is few."""
+    effects = [effect_of_key(key) for key in fit.model.effects]
+    own = sum(not each.is_higher for effect in effects for each in effect.fitted)
+    freed = {name for effect in effects for name in effect.frees}
+    told = BY_PRESSURE if fit.problem.has_pressure else ()
+    return own + len(freed.difference(told)) + (SERIES if fit.problem.has_series else 0)
 
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:

@@ -83,7 +83,6 @@ def joint_problems(
     model: Model, experiments: Sequence[Experiment], used: Masks | None, effects: Sequence[str]
 ) -> Iterator[tuple[Problem, Box]]:
     """Yield a problem and its box for each combination of the effects' forms."""
-    unknowns = base_and_start_unknowns(model, experiments)
     for forms in product(*(forms_of(key, experiments) for key in effects)):
         extended, added, sides = model, [], []
         for key, starts in zip(effects, forms, strict=True):
@@ -94,6 +93,7 @@ def joint_problems(
                 reach = [unknown.scaled(start[unknown.name]) for start in (neutral, *starts)]
                 sides.append((min(reach), max(reach)))
             added += own
+        unknowns = base_and_start_unknowns(extended, experiments)
         if len(unknowns) + len(added) > MOST_UNKNOWNS:
             return
         is_anchored = any(effect_of_key(key).is_chaotic for key in effects)

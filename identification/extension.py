@@ -21,6 +21,7 @@ from identification.screening import (
     box_of,
     joined,
     placed,
+    released,
     residual_positions,
     resized,
     screened,
@@ -262,7 +263,17 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 
 
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
-    """Follow the most promising starts some way down, and the best of them further."""
+    """Follow the most promising starts some way down, and the best of them further.
+
+    Base parameters that the effect frees move last, from where all else has come: from afar they lead astray.
+    """
+    problem, best = looked_down(fit, effect, group)
+    freed, point = released(problem, best.point)
+    return (problem, best) if freed is problem else (freed, descend(freed, point, evaluations=10, precision=1e-3))
+
+
+def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
+    """Follow the most promising starts some way down, and the best of them further, without what the effect frees."""
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)

@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.search import descend_to_end
+from identification.unknowns import base_unknowns
 from valvemodel.effects import effect_of_key
 
 
@@ -15,6 +16,7 @@ from valvemodel.effects import effect_of_key
 def reduced(fit: Fit, key: str) -> Fit:
     """Take an effect out of a fit and fit all other unknowns anew, from their values beside it.
 
+    Base parameters that it alone freed are again as they were given.
     An effect that is none may have led the others out of a side minimum.
 
     Raises
@@ -24,9 +26,14 @@ def reduced(fit: Fit, key: str) -> Fit:
     """
     if key not in fit.model.effects:
         raise KeyError(f"no effect {key!r} in the fit, only {', '.join(fit.model.effects) or 'none'}")
-    taken = {each.name for each in effect_of_key(key).parameters}
+    model = fit.model.without_effect(key)
+    free = {each.name for each in base_unknowns(model, with_pressure=fit.problem.has_pressure)}
+    held = set(effect_of_key(key).frees) - free
+    taken = {each.name for each in effect_of_key(key).parameters} | held
     kept = [number for number, unknown in enumerate(fit.unknowns) if unknown.name not in taken]
     problem = replace(
-        fit.problem, model=fit.model.without_effect(key), unknowns=[fit.unknowns[number] for number in kept]
+        fit.problem,
+        model=model.with_values(**{name: fit.problem.model.values[name] for name in held}),
+        unknowns=[fit.unknowns[number] for number in kept],
     )
     return finished(problem, descend_to_end(problem, fit.found.point[kept]))

@@ -15,7 +15,7 @@ from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
 from identification.search import errors, roam_over
 from identification.uncertainty import blocks_of
-from identification.unknowns import effect_unknowns
+from identification.unknowns import base_unknowns, effect_unknowns
 from valvemodel.declarations import Effect
 
 LITTLE_LEFT = 1.1
@@ -188,6 +188,19 @@ def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str,
     )
     scaled = np.array([unknown.scaled(start[unknown.name]) for unknown in added])
     return extended, np.concatenate([point, scaled])
+
+
+def released(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
+    """Return a problem with the base parameters that its effects free among the unknowns, and its scaled point.
+
+    They start as they were given. Where nothing is to be released both are as they were.
+    """
+    known = {unknown.name for unknown in problem.unknowns}
+    freed = [unknown for unknown in base_unknowns(problem.model) if unknown.name not in known]
+    if not freed:
+        return problem, point
+    scaled = [unknown.scaled(problem.model.values[unknown.name]) for unknown in freed]
+    return replace(problem, unknowns=[*problem.unknowns, *freed]), np.concatenate([point, scaled])
 
 
 def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:

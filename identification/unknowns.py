@@ -75,11 +75,16 @@ class Unknown:
 
 
 def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]:
-    """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, P_1 if the pressure is known."""
+    """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, and P_1 where that is told.
+
+    It is by a measured pressure, and by an effect of the model that frees it.
+    """
     unknowns = []
+    told = {name for key in model.effects for name in effect_of_key(key).frees}
+    told.update(BY_PRESSURE if with_pressure else ())
     has_gap = model.values["pressure_per_current"] == 0.0
     for parameter in BASE_PARAMETERS:
-        is_free = parameter.is_fitted or (with_pressure and parameter.name in BY_PRESSURE)
+        is_free = parameter.is_fitted or parameter.name in told
         if not is_free or (parameter.name in OF_GAP and not has_gap):
             continue
         centre = model.values[parameter.name] or parameter.neutral

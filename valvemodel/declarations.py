@@ -79,8 +79,9 @@ class Effect:
     infinity one at a time acts; `acts_in_time` that a settled loop cannot show it; `stops_again` that it can show as a
     stem (for the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any,
     that is the breakaway force over Coulomb friction. `laws` are the values of the choices of law that go together in a
-    search, all combinations of them where none is named. `aliases` are the effects (or `none`) whose trace comes close
-    in current and position; `told_apart_by`, one phrase, is what would tell them apart.
+    search, all combinations of them where none is named. `frees` are the base parameters that the records tell once it
+    acts, as it breaks the symmetry behind which they hide: a fit moves them too. `aliases` are the effects (or `none`)
+    whose trace comes close in current and position; `told_apart_by`, one phrase, is what would tell them apart.
     """
 
     key: str
@@ -98,6 +99,7 @@ class Effect:
     stops_again: bool = False
     breakaway: str = ""
     laws: tuple[Mapping[str, float], ...] = field(default=(), hash=False)
+    frees: tuple[str, ...] = ()
     aliases: tuple[str, ...] = ()
     told_apart_by: str = ""
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from valvemodel.base_valve import BY_PRESSURE
+from valvemodel.effects import effect_of_key
 from valvemodel.equations.symmetries import GROUPS, SCALINGS
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -47,8 +49,13 @@ class Structure:
 
 
 def structure_of(record: Record, model: Model) -> Structure:
-    """Return what the signals of a record determine of a valve by the symmetries of its equations."""
-    kind = (_signals(record), model.values["pressure_per_current"] > 0.0)
+    """Return what the signals of a record determine of a valve by the symmetries of its equations.
+
+    An effect that frees what else a measured pressure tells breaks the same symmetry as that does.
+    """
+    freed = {name for key in model.effects for name in effect_of_key(key).frees}
+    tells_pressure = record.pressure is not None or not freed.isdisjoint(BY_PRESSURE)
+    kind = (_signals(record, has_pressure=tells_pressure), model.values["pressure_per_current"] > 0.0)
     has_breakaway = not _BREAKAWAY.isdisjoint(model.effects)
     groups = [group for group in GROUPS[kind] if has_breakaway or "static_friction" not in group]
     scalings = [{name: power for name, power in each.items() if has_breakaway or name != "static_friction"}
@@ -59,7 +66,8 @@ def structure_of(record: Record, model: Model) -> Structure:
     for group in groups:
         name = own_name(group)
         measured_by[name] = product({other: -power for other, power in group.items() if other != name})
-    return Structure(kind[0], tuple(map(product, groups)), tuple(map(_change, scalings)), measured_by)
+    signals = _signals(record, has_pressure=record.pressure is not None)
+    return Structure(signals, tuple(map(product, groups)), tuple(map(_change, scalings)), measured_by)
 
 
 def own_name(group: Mapping[str, float]) -> str:
@@ -67,11 +75,11 @@ def own_name(group: Mapping[str, float]) -> str:
     return list(group)[-1]
 
 
-def _signals(record: Record) -> str:
+def _signals(record: Record, *, has_pressure: bool) -> str:
     if record.kind == "stem":
         return "force, position"
     settled = "settled " if record.kind == "loop" else ""
-    pressure = "" if record.pressure is None else f", {settled}pressure"
+    pressure = f", {settled}pressure" if has_pressure else ""
     return f"current{pressure}, {settled}position"
 
 

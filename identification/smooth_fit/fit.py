@@ -11,7 +11,7 @@ from identification.experiment import Experiment
 from identification.extension import KEPT_STARTS, alike
 from identification.fit import Fit, Masks, base_and_start_unknowns, finished, measured
 from identification.problem import Problem
-from identification.screening import screened
+from identification.screening import released, screened
 from identification.search import Found, descend
 from identification.smooth_fit.descent import WIDTHS, descend_smooth, narrowed, narrowed_by_shooting
 from identification.smooth_fit.guess import guessed
@@ -97,7 +97,9 @@ def fit_smooth(
         progress(key, number / steps)
         residuals, point = _extended(finished(residuals.problem, path[-1][1]), key)
         path = list(narrowed(residuals, point, widths))
-    problem = residuals.problem
+    problem, point = released(residuals.problem, path[-1][1].point)
+    if problem is not residuals.problem:
+        path = list(narrowed(SmoothResiduals(problem), point, widths))
     if is_multiple:
         progress("multiple shooting", (steps - 2) / steps)
         path = list(narrowed_by_shooting(problem, path[-1][1].point, widths))

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from blind_fits import fits_to_plant
 
+from diagnosis.trying import freedom_of
+from identification.extension import extend
 from identification.pressures import LIGHT, pressures_at_rest, with_pressures_of
-from identification.screening import screened
-from identification.search import Slopes, descend
+from identification.reduction import reduced
+from identification.screening import joined, screened
+from identification.search import Slopes, descend, descend_to_end
 from valvemodel.effects import effect_of_key
 
 SEED, PROFILE = 1043752039, 1758290018
@@ -26,6 +29,39 @@ def test_choked_flow_with_another_critical_ratio_is_explained_to_the_noise(fitte
     assert found.found.error < 1.05 * found.problem.noise_error
     ratio = found.model.effects["choked_flow"]["critical_pressure_ratio"]
     assert ratio == pytest.approx(plant.effects[0].parameters["critical_ratio"], abs=0.02)
+
+
+@pytest.mark.parametrize("seed", [9608, 9617])
+def test_beside_the_air_outside_the_supply_pressure_is_told_by_current_and_position(seed, tmp_path):
+    plant, base, found = fits_to_plant(seed, "choked_flow", tmp_path)
+    given, true = base.model.values["supply_pressure"], plant.base["supply_pressure"]
+    assert plant.effects[0].formulation == "iso_6358"
+    assert abs(true / given - 1.0) > 0.02
+    assert found.found.error < 1.05 * found.problem.noise_error
+    assert found.model.values["supply_pressure"] == pytest.approx(true, rel=4e-3)
+    ratio = found.model.effects["choked_flow"]["critical_pressure_ratio"]
+    assert ratio == pytest.approx(plant.effects[0].parameters["critical_ratio"], abs=2e-3)
+
+
+def test_a_nozzle_by_another_law_is_explained_to_the_noise_beside_its_own_supply_pressure_only(tmp_path):
+    """Of Saint-Venant and Wantzel; as given the pressure is off by 1.3 %."""
+    plant, base, found = fits_to_plant(508495365, "choked_flow", tmp_path, profile=502947648, nuisance=True)
+    assert plant.effects[0].formulation == "saint_venant"
+    assert found.found.error < 1.05 * found.problem.noise_error
+    values = dict(found.model.effects["choked_flow"])
+    problem, point = joined(base.problem, found.found.point[:-2], effect_of_key("choked_flow"), values)
+    assert descend_to_end(problem, point).error > 1.5 * found.found.error
+
+
+def test_without_choked_flow_the_supply_pressure_is_as_it_was_given(fitted):
+    _, base, found = fitted
+    both = extend(found, "linkage_nonlinearity")
+    assert [each.name for each in both.unknowns].count("supply_pressure") == 1
+    left = reduced(both, "choked_flow")
+    assert "supply_pressure" in {each.name for each in reduced(both, "linkage_nonlinearity").unknowns}
+    assert "supply_pressure" not in {each.name for each in left.unknowns}
+    assert left.model.values["supply_pressure"] == base.model.values["supply_pressure"]
+    assert freedom_of(found) == len(found.unknowns) - len(base.unknowns) == 2
 
 
 def test_a_search_begins_at_the_pressures_of_the_law_before(fitted):

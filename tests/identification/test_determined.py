@@ -77,6 +77,20 @@ def test_structure_depends_on_the_signals() -> None:
     assert "static_friction / (diaphragm_area * supply_pressure)" in sticky.groups
 
 
+def test_choked_flow_breaks_the_scaling_of_the_supply_pressure() -> None:
+    choked = nominal().with_effect("choked_flow")
+    structure = structure_of(record_of(nominal()), choked)
+    assert structure.signals == "current, position"
+    assert structure.measured_by["spring_rate"] == "diaphragm_area"
+    assert "supply_pressure" in structure.groups
+    time, current = steps_and_ramps()
+    before = simulate(choked, time=time, current=current).position
+    for scaling in SCALINGS["current, position", False]:
+        scaled = {name: choked.values[name] * 1.05**power for name, power in scaling.items() if name in choked.values}
+        after = simulate(choked.with_values(**scaled), time=time, current=current).position
+        assert (np.abs(after - before).max() < 1e-9) == ("supply_pressure" not in scaling), scaling
+
+
 def test_sensitivity_predicts_the_change_of_the_reading(made: tuple[Record, Fit]) -> None:
     record, fit = made
     sensitivity = sensitivity_of(fit)

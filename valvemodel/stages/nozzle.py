@@ -157,6 +157,8 @@ EFFECTS = (
             ),
             Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, 0.528, (0.528, 0.4)),
         ),
+        # Beside the pressure of the air outside, that of the supply is no mere scale of the forces any more.
+        frees=("supply_pressure",),
         aliases=("none", "air_leak", "magnetic_saturation"),
         told_apart_by="a measured pressure over the whole range of current",
     ),
