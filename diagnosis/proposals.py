@@ -206,11 +206,12 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
 
     An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
     record nothing else was tried on top of that. It must explain much alone. What hides in the base valve's numbers
-    promises little by slopes. Nothing can come nearer than to the noise, and where nothing explains the record the best
-    effects have been tried with all that promises most.
+    promises little by slopes, and is tried as well unless the noise is reached: nothing can come nearer than that, but
+    an alias may come as near. Where nothing explains the record the best effects have been tried with all that promises
+    most.
     """
     best = best_of(tried, 2)[0]
-    if misfit(best) < AT_NOISE or not explains(best, tried[0]):
+    if not explains(best, tried[0]):
         return []
     alone, values = alone_of(tried), values_alone(tried)
     known = {frozenset(each.effects): each for each in tried}
@@ -218,10 +219,11 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     work: list[Work] = []
     for kept, left, other in exchanges(best, alone.values()):
         (key,) = other.effects
-        stays = is_quick(kept) and not alone[kept].has_series and misfit(alone[kept]) <= much
+        stays = not effect_of_key(kept).is_jagged and not alone[kept].has_series and misfit(alone[kept]) <= much
         before = known.get(frozenset((kept, key)))
         is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
-        if stays and is_behind and (are_aliases(left, key) or may_hide(key)):
+        is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
+        if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
 

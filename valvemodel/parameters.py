@@ -119,8 +119,8 @@ MEMORY = np.dtype(
         (name, "f8", _ROW)
         for name in (
             "part_powers", "currents", "gaps", "pressures", "shares",
-            "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "slid", "limits", "feeds",
-            "forces", "values", "powers",
+            "step_pressures", "ways", "speeds", "pulls", "pull_powers", "bristles", "slid", "limits",
+            "limits_behind", "feeds", "forces", "values", "powers",
         )
     ]
     + [

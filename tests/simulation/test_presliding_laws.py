@@ -1,5 +1,6 @@
 """Bristles that damp, bristles of an exponent and sliders, against an integration that shares no code with them."""
 
+import numba
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -85,6 +86,62 @@ def test_curved_bristles_follow_a_friction_that_changes(key):
     model = with_law("curved and viscous").with_effect(key)
     found = simulate(model, time=TIME[few], current=CURRENT[few]).position
     assert np.abs(found - simulate_slowly(model, time=TIME[few], current=CURRENT[few]).position).max() < 1e-8
+
+
+@pytest.mark.parametrize("law", ["sliders", "all"])
+@pytest.mark.parametrize("key", ["friction_drift", "pressure_dependent_friction"])
+def test_sliders_beside_a_friction_that_changes_agree_with_the_reference(law, key):
+    few = slice(0, 25)
+    model = with_law(law).with_effect(key)
+    found = simulate(model, time=TIME[few], current=CURRENT[few]).position
+    assert np.abs(found - simulate_slowly(model, time=TIME[few], current=CURRENT[few]).position).max() < 1e-8
+
+
+@numba.njit
+def stepped(pressure, start, steps, mass, viscous, spring, area, coulomb, seal, height, middle, width, compliance):
+    """Return the positions of a stem on sliders that carry what friction holds at each instant, by fine steps. [m]"""
+    count, step, position, speed = 16, PERIOD / steps, start, 0.0
+    bends, positions = np.zeros(count), np.empty(pressure.size)
+    for period in range(pressure.size):
+        positions[period] = position
+        for _ in range(steps):
+            bump = height * np.exp(-(((position - middle) / width) ** 2))
+            limit = coulomb * (1.0 + bump) + seal * pressure[period]
+            friction = 0.0
+            for index in range(count):
+                room = (index + 0.5) * 2.0 / count * limit * compliance
+                bends[index] = min(max(bends[index] + step * speed, -room), room)
+                friction += bends[index] / (count * compliance)
+            net = area * pressure[period] - spring * position - friction
+            before = speed
+            speed = (speed + step * net / mass) / (1.0 + step * viscous / mass)
+            position += 0.5 * step * (before + speed)
+    return positions
+
+
+@pytest.mark.parametrize(
+    ("key", "numbers"),
+    [
+        ("pressure_dependent_friction", {"friction_area": 0.02}),
+        ("position_dependent_friction", {"tight_spot_excess": 1.0, "tight_spot_width": 0.01}),
+    ],
+)
+def test_sliders_slide_where_a_friction_falls_that_held_them(key, numbers):
+    """As the pressure falls, or as the stem leaves a tight spot, the limit falls on sliders bent the other way."""
+    current = (11.0 + 4.0 * np.sign(np.sin(2.0 * np.pi * TIME / 0.3)) + 0.5 * np.sin(2.0 * np.pi * TIME / 0.1)) * 1e-3
+    model = with_law("sliders", 4e-6).with_effect(key, **numbers)
+    found = simulate(model, time=TIME, current=current)
+    v, e = model.values, model.effects[key]
+    law = (v["coulomb_friction"], e.get("friction_area", 0.0), e.get("tight_spot_excess", 0.0))
+    spot = (e.get("tight_spot_position", 0.0), e.get("tight_spot_width", 1.0), 4e-6)
+    valve = (v["stem_mass"], v["viscous_friction"], v["spring_rate"], v["diaphragm_area"])
+    held = np.r_[found.pressure[1:], found.pressure[-1]]
+    coarse, fine = (stepped(held, found.position[0], steps, *valve, *law, *spot) for steps in (20000, 40000))
+    assert np.ptp(fine) > 0.01
+    # The steps' error falls with their length.
+    assert np.abs(found.position - (2.0 * fine - coarse)).max() < 5e-8
+    quick = simulate(model, time=TIME, current=current, tolerance=SEARCH_TOLERANCE)
+    assert np.abs(quick.position - found.position).max() < 5e-5
 
 
 def test_sliders_close_their_loops_and_bristles_creep_on():

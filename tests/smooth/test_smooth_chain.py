@@ -101,6 +101,12 @@ def test_every_law_of_presliding_is_close_to_the_exact_run_on_a_triangle(law):
     assert left_over < 0.5 * LEFT_OVER["presliding"]
 
 
+def test_sliders_slide_where_friction_falls_with_the_pressure():
+    model = base(viscous_friction=3000.0).with_effect("presliding", presliding_compliance=2e-6, slider_share=1.0)
+    off = apart(model.with_effect("pressure_dependent_friction", friction_area=0.01), 0.1, parts=16)[TIME < 12.0]
+    assert np.sqrt(np.mean(off**2)) < 1e-6
+
+
 @pytest.mark.parametrize("key", ["coil_lag", "chamber_filling", "spring_hardening", "sensor_lag"])
 def test_what_a_part_takes_as_straight_falls_with_the_parts(key):
     model = with_effect(key)

@@ -31,6 +31,9 @@ FINEST = (1e-14, 1e-11, 1e-9)
 LEAST = 1e-9
 """Bristles that carry nothing would have no slope. [N]"""
 
+SLOWEST = 1e-12
+"""A stem at rest is asked what would hold it either way: none at 0. [m/s]"""
+
 STATIC_DECAY = 1e-3
 """Speed over which breakaway friction that is not Stribeck's falls to Coulomb's. [m/s]"""
 
@@ -85,7 +88,9 @@ class BristleStem:
             bending = velocity * copysign(abs(room) ** n.bristle_exponent, room) / n.presliding_compliance
             resisting = bristle + n.bristle_damping * n.presliding_compliance * (bending if room > 0.0 else 0.0)
             if n.slider_share > 0.0:
-                sliders = side * sum(self.bends(side, position - begun, limit)) / (SLIDERS * n.presliding_compliance)
+                behind = sliding_limit(n, position, -velocity, pressure, time)
+                bends = self.bends(side, position - begun, limit, behind)
+                sliders = side * sum(bends) / (SLIDERS * n.presliding_compliance)
                 resisting += n.slider_share * (sliders - resisting)
             return [velocity, (net - resisting) / n.stem_mass, bending]
 
@@ -97,24 +102,30 @@ class BristleStem:
         span = Span(n, begun, side)
         found, lasted, has_hit = flow(slope, [self.position, self.velocity, self.bristle], left, FINEST, is_beyond)
         self.position, self.velocity, self.bristle = found(lasted)
-        pressure = self.pressure(begin + lasted)
-        limit = sliding_limit(n, self.position, side * abs(self.velocity), pressure, self.time + begin + lasted)
-        self.sliders = [side * bend for bend in self.bends(side, self.position - begun, limit)]
+        limits = self.limits(side, begin + lasted)
+        self.sliders = [side * bend for bend in self.bends(side, self.position - begun, *limits)]
         if has_hit and not span.lowest < self.position < span.highest:
             self.position = span.within(self.position)
             self.velocity = velocity_at_end(n, self.position, self.velocity)
         return found, lasted
 
-    def bends(self, side: float, way: float, limit: float) -> list[float]:
-        """Return how far the sliders are bent along a motion to one side, after a way. [m]"""
-        reach = limit * self.numbers.presliding_compliance
-        pairs = zip(self.sliders, slider_yields(), strict=True)
-        return [min(side * (bend + way), yields * reach) for bend, yields in pairs]
+    def bends(self, side: float, way: float, limit: float, behind: float) -> list[float]:
+        """Return how far the sliders are bent along a motion to one side, after a way, under both limits. [m]"""
+        compliance = self.numbers.presliding_compliance
+        pairs = [(side * bend, yields * compliance) for bend, yields in zip(self.sliders, slider_yields(), strict=True)]
+        return [min(max(bend, -reach * behind) + side * way, reach * limit) for bend, reach in pairs]
+
+    def limits(self, side: float, instant: float) -> tuple[float, float]:
+        """Return what holds the sliders along a motion to one side and against it, where the stem is. [N]"""
+        n, speed, pressure, time = self.numbers, abs(self.velocity), self.pressure(instant), self.time + instant
+        ways = (copysign(max(speed, SLOWEST), each) for each in (side, -side))
+        ahead, behind = (sliding_limit(n, self.position, way, pressure, time) for way in ways)
+        return ahead, behind
 
     def net(self, instant: float) -> float:
         """Return the force on the stem, were it at rest. [N]"""
         n = self.numbers
-        sliders = sum(self.sliders) / (SLIDERS * n.presliding_compliance)
+        sliders = sum(self.bends(1.0, 0.0, *self.limits(1.0, instant))) / (SLIDERS * n.presliding_compliance)
         elastic = self.bristle + n.slider_share * (sliders - self.bristle)
         return thrust(n, self.position, self.pressure(instant), self.time + instant) - elastic
 

@@ -78,6 +78,13 @@ def bend_sliders(p: Any, x: Any, force: Expression) -> None:
         setattr(x, name, share * force * compliance_of(p))
 
 
+def let_slide(p: Any, x: Any, rising: Expression, falling: Expression) -> None:
+    """Let sliders slide that friction, upwards or downwards, does not hold any more where it fell."""
+    for name, share in zip(SLIDER_STATES, YIELDS, strict=True):
+        reach = float(share) * compliance_of(p)
+        setattr(x, name, ca.fmin(ca.fmax(getattr(x, name), -reach * falling), reach * rising))
+
+
 def elastic_friction(p: Any, x: Any) -> Expression:
     """Return the force of bristles and sliders at rest. [N]"""
     if not p.slides:

@@ -14,7 +14,13 @@ import casadi as ca
 
 from valvemodel.equations.symbolic import driving_force
 from valvemodel.smooth.contact import contact_force, settle_contact, take_along
-from valvemodel.smooth.presliding import SLIDER_STATES, advance_presliding, bend_sliders, elastic_friction
+from valvemodel.smooth.presliding import (
+    SLIDER_STATES,
+    advance_presliding,
+    bend_sliders,
+    elastic_friction,
+    let_slide,
+)
 from valvemodel.smooth.rounding import Expression, dead_zone, gate, ramp
 from valvemodel.smooth.slip import stop_time, transition
 from valvemodel.stages.slip import STOP_SPEED
@@ -25,6 +31,9 @@ SHORTEST_SHARE = 1e-6
 SPEED_PER_WIDTH = 1e-5
 """The speed at which a slip has ended is rounded over this, times the smoothing width. [m/s/N]"""
 
+
+VARIES_FRICTION = {"friction_drift", "position_dependent_friction", "pressure_dependent_friction"}
+"""Effects by which friction falls so that it holds what it held no more."""
 
 LEAST_SQUARE = 1e-12
 """What keeps the relative distance from a tight spot off 0, in square."""
@@ -51,6 +60,9 @@ def put_stem(p: Any, x: Any, position: Expression, time: Expression) -> None:
 def advance_stem(p: Any, x: Any, pressure: Expression, time: Expression, duration: Expression) -> None:
     """Hold the pressure and move the stem through a part of a period; forces that vary are held at a time."""
     if "presliding" in p.effects:
+        if p.slides and p.effects & VARIES_FRICTION:
+            rising, falling = (sliding_friction(p, side, x.position, pressure, time) for side in (1.0, -1.0))
+            let_slide(p, x, rising, falling)
         net = thrust(p, x.position, pressure, time)
         side = ca.sign(net - elastic_friction(p, x))
         limit = sliding_friction(p, side, x.position, pressure, time)

@@ -14,6 +14,8 @@ from valvemodel.stages.presliding import (
     elastic_friction,
     elastic_stiffness,
     friction_after,
+    let_slide,
+    limit_behind,
     pull_bristles,
 )
 from valvemodel.stages.rest import are_forces_held, break_away, come_to_rest, is_blocked, meet_limit
@@ -61,12 +63,14 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     duration = min(duration, state.plan_longest)
     moves = not are_forces_held(state, memory)
     mass, position = p.stem_mass, state.position
-    loaded = load_if_any(p, time)
-    driving = inner_thrust(p, position, pressure_at(memory, time)) + loaded
-    net = at_end = driving - elastic_friction(p, state)
+    loaded, now, last = load_if_any(p, time), pressure_at(memory, time), time + duration
+    driving = inner_thrust(p, position, now) + loaded
+    let_slide(p, state, now, time)
+    net = at_end = driving - elastic_friction(p, state, now, time)
     if state.mode == STUCK:
         if moves:
-            at_end += thrust(p, position, pressure_at(memory, time + duration), time + duration) - driving
+            then = pressure_at(memory, last)
+            at_end = thrust(p, position, then, last) - elastic_friction(p, state, then, last)
         if settles(p, state, memory, time, duration, net, at_end, tolerance):
             return duration
         side = RISING if net > 0.0 or (net == 0.0 and at_end > 0.0) else FALLING
@@ -106,9 +110,10 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
         end, then = position + side * way, time + step
         pressure = pressure_at(memory, then)
         limit = limiting_friction(p, side, end, pressure, then, next_speed)
+        behind = limit_behind(p, state, side, end, pressure, then, next_speed)
         bristle = bristle_after(p, state, side, way, limit)
         left_over = side * (inner_thrust(p, end, pressure) + loaded_then)
-        left_over -= friction_after(p, state, side, way, limit, bristle)
+        left_over -= friction_after(p, state, side, way, limit, behind, bristle)
         next_viscous = sliding
         if p.bristle_damping > 0.0:
             next_viscous += bristle_viscosity(p, bristle_stiffness(p, bristle, limit))
@@ -131,7 +136,7 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     elif not has_stopped:
         next_speed = max(next_speed + va * left_over / (3.0 * mass), 0.0)
         has_stopped = next_speed == 0.0
-    shift(p, state, corrected, limit)
+    shift(p, state, corrected, limit, behind)
     state.velocity = side * next_speed
     state.trace_damping, state.trace_stiffness = viscous / mass, stiffness / mass
     state.trace_steady = side * (steady + little)
@@ -190,12 +195,15 @@ def settles(p, state, memory, time, duration, net, at_end, tolerance):
     if SETTLED * viscous > stiffness * duration or max(abs(net), abs(at_end)) > stiffness * negligible:
         return False
     bristle = bristle_after(p, state, side, way, limit)
-    taken = friction_after(p, state, side, way, limit, bristle) - side * elastic_friction(p, state)
+    pressure = pressure_at(memory, time)
+    behind = limit_behind(p, state, side, state.position, pressure, time, 0.0)
+    taken = friction_after(p, state, side, way, limit, behind, bristle)
+    taken -= side * elastic_friction(p, state, pressure, time)
     if abs(at_end) - taken > bristle_stiffness(p, bristle, limit) * negligible or way > room_to(state, side):
         # It is on its way to break away.
         return False
     break_away(p, state, side)
-    shift(p, state, way, limit)
+    shift(p, state, way, limit, behind)
     come_to_rest(state)
     return True
 
@@ -248,10 +256,10 @@ def stop_on_ramp(mass, damping, stiffness, speed, start, steady, high):
 
 
 @compiled
-def shift(p, state, way, limit):
+def shift(p, state, way, limit, behind):
     """Take stem and bristles along a way to the side of the motion."""
     state.position += state.mode * way
-    pull_bristles(p, state, state.mode, way, limit)
+    pull_bristles(p, state, state.mode, way, limit, behind)
 
 
 @compiled

@@ -9,7 +9,6 @@ from valvemodel.stages.nodes import NODES, first_fall, fit_powers, left_out
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.rest import are_forces_held, break_away, is_blocked
 from valvemodel.stages.sliders import (
-    force_of_sliders,
     has_sliders,
     lay_sliders,
     pull_sliders,
@@ -66,11 +65,42 @@ def with_sliders(p, bristle, slider):
 
 
 @compiled
-def elastic_friction(p, state):
-    """Return the force of bristles and sliders on a stem, down positive. [N]"""
+def limit_behind(p, state, side, position, pressure, time, speed):
+    """Return what holds the sliders against the motion; infinity where that is held, and they are within it. [N]"""
+    if not has_sliders(p) or state.plan_limit_held == 1.0:
+        return math.inf
+    return limiting_friction(p, -side, position, pressure, time, speed)
+
+
+@compiled
+def elastic_friction(p, state, pressure, time):
+    """Return the force of bristles and sliders on a stem where it is, down positive. [N]"""
     if not has_sliders(p):
         return state.bristle
-    return with_sliders(p, state.bristle, force_of_sliders(p, state))
+    return with_sliders(p, state.bristle, resting_sliders(p, state, pressure, time))
+
+
+@compiled
+def resting_sliders(p, state, pressure, time):
+    """Return the force of the sliders on a stem where it is, down positive. [N]"""
+    rising, falling = limits_either_way(p, state, pressure, time)
+    return sliders_after(p, state, RISING, 0.0, rising, falling)
+
+
+@compiled
+def let_slide(p, state, pressure, time):
+    """Let sliders slide that friction, where it fell, does not hold any more."""
+    rising, falling = limits_either_way(p, state, pressure, time)
+    if rising < math.inf:
+        pull_sliders(p, state, RISING, 0.0, rising, falling)
+
+
+@compiled
+def limits_either_way(p, state, pressure, time):
+    """Return what holds the sliders of a stem where it is, bent up and down; infinity as for `limit_behind`. [N]"""
+    position, speed = state.position, abs(state.velocity)
+    rising = limit_behind(p, state, FALLING, position, pressure, time, speed)
+    return rising, limit_behind(p, state, RISING, position, pressure, time, speed)
 
 
 @compiled
@@ -89,19 +119,19 @@ def bristle_after(p, state, side, way, limit):
 
 
 @compiled
-def friction_after(p, state, side, way, limit, bristle):
+def friction_after(p, state, side, way, limit, behind, bristle):
     """Return the force of bristles, given, and sliders after a way to one side, counted against it. [N]"""
     if not has_sliders(p):
         return bristle
-    return with_sliders(p, bristle, sliders_after(p, state, side, way, limit))
+    return with_sliders(p, bristle, sliders_after(p, state, side, way, limit, behind))
 
 
 @compiled
-def pull_bristles(p, state, side, way, limit):
+def pull_bristles(p, state, side, way, limit, behind):
     """Take bristles and sliders along a way to one side."""
     state.bristle = side * bristle_after(p, state, side, way, limit)
     if has_sliders(p):
-        pull_sliders(p, state, side, way, limit)
+        pull_sliders(p, state, side, way, limit, behind)
 
 
 @compiled
@@ -110,6 +140,7 @@ def time_on_bristles(p, state, memory, time, duration, tolerance):
 
     A negligible swing is left out; what presses it on an end of the travel holds it until it has turned.
     """
+    let_slide(p, state, pressure_at(memory, time), time)
     net = net_on_bristles(p, state, memory, time)
     is_held = are_forces_held(state, memory)
     if is_negligible(p, state, memory, time, net, tolerance):
@@ -138,7 +169,8 @@ def time_pressed(p, state, memory, time, duration, side):
 @compiled
 def net_on_bristles(p, state, memory, time):
     """Return the force on a stem that rests on bristles. [N]"""
-    return thrust(p, state.position, pressure_at(memory, time), time) - elastic_friction(p, state)
+    pressure = pressure_at(memory, time)
+    return thrust(p, state.position, pressure, time) - elastic_friction(p, state, pressure, time)
 
 
 @compiled
@@ -167,7 +199,9 @@ def lay_bristles(p, state, memory, count):
         position = memory.step_position + side * memory.ways[node]
         time = memory.step_time + node * memory.step_spacing
         speed = max(memory.speeds[node], 0.0)
-        memory.limits[node] = limiting_friction(p, side, position, memory.step_pressures[node], time, speed)
+        pressure = memory.step_pressures[node]
+        memory.limits[node] = limiting_friction(p, side, position, pressure, time, speed)
+        memory.limits_behind[node] = limit_behind(p, state, side, position, pressure, time, speed)
     departure, memory.bristles_off = start - memory.limits[0], 0.0
     if has_sliders(p):
         lay_sliders(p, state, memory, count, False)

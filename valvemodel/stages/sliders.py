@@ -1,4 +1,7 @@
-"""Many small contacts in parallel, each elastic until it slides: Iwan's sliders. They remember each turn."""
+"""Many small contacts in parallel, each elastic until it slides: Iwan's sliders. They remember each turn.
+
+None carries more than what holds it, ahead or behind: where friction falls, sliders that were bent farther slide back.
+"""
 
 from __future__ import annotations
 
@@ -29,9 +32,9 @@ def has_sliders(p):
 
 
 @inlined
-def bend_after(bend, way, room):
+def bend_after(bend, way, room, room_behind):
     """Return how far a slider is bent along the motion after a way. [m]"""
-    return min(bend + way, room)
+    return min(max(bend, -room_behind) + way, room)
 
 
 @compiled
@@ -42,29 +45,22 @@ def bend_sliders(p, state, force):
 
 
 @compiled
-def force_of_sliders(p, state):
-    """Return the force of the sliders. [N]"""
-    total = 0.0
-    for index in range(SLIDERS):
-        total += state.sliders[index]
-    return total / (SLIDERS * p.presliding_compliance)
-
-
-@compiled
-def sliders_after(p, state, side, way, limit):
+def sliders_after(p, state, side, way, limit, limit_behind):
     """Return the force of the sliders after a way to one side, counted against it. [N]"""
-    reach, total = limit * p.presliding_compliance, 0.0
+    reach, behind, total = limit * p.presliding_compliance, limit_behind * p.presliding_compliance, 0.0
     for index in range(SLIDERS):
-        total += bend_after(side * state.sliders[index], way, YIELDS[index] * reach)
+        yields = YIELDS[index]
+        total += bend_after(side * state.sliders[index], way, yields * reach, yields * behind)
     return total / (SLIDERS * p.presliding_compliance)
 
 
 @compiled
-def pull_sliders(p, state, side, way, limit):
+def pull_sliders(p, state, side, way, limit, limit_behind):
     """Take the sliders along a way to one side."""
-    reach = limit * p.presliding_compliance
+    reach, behind = limit * p.presliding_compliance, limit_behind * p.presliding_compliance
     for index in range(SLIDERS):
-        state.sliders[index] = side * bend_after(side * state.sliders[index], way, YIELDS[index] * reach)
+        yields = YIELDS[index]
+        state.sliders[index] = side * bend_after(side * state.sliders[index], way, yields * reach, yields * behind)
 
 
 @compiled
@@ -97,8 +93,9 @@ def lay_sliders(p, state, memory, count, keep):
     for index in range(SLIDERS):
         bend, before = side * state.sliders[index], 0.0
         for node in range(count + 1):
-            room = YIELDS[index] * memory.limits[node] * p.presliding_compliance
-            bend = bend_after(bend, memory.ways[node] - before, room)
+            reach = YIELDS[index] * p.presliding_compliance
+            way = memory.ways[node] - before
+            bend = bend_after(bend, way, reach * memory.limits[node], reach * memory.limits_behind[node])
             before = memory.ways[node]
             memory.slid[node] += bend / (SLIDERS * p.presliding_compliance)
         if keep:

@@ -13,10 +13,12 @@ from valvemodel.stages.presliding import (
     elastic_stiffness,
     is_curved,
     lay_bristles,
+    let_slide,
+    resting_sliders,
     with_sliders,
 )
 from valvemodel.stages.response import remember_response
-from valvemodel.stages.sliders import force_of_sliders, has_sliders
+from valvemodel.stages.sliders import has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
     sliding_friction,
@@ -56,13 +58,14 @@ def begin_step(p, state, memory, time):
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     stiffness = tangent_stiffness(p, side, position, pressure, time)
     if state.plan_elastic == 1.0:
+        let_slide(p, state, pressure, time)
         memory.bristles[0] = side * state.bristle
         limit = limiting_friction(p, side, position, pressure, time, speed)
         bending = bristle_stiffness(p, memory.bristles[0], limit)
         stiffness += elastic_stiffness(p, state, side, limit, bending)
         memory.limits[0] = limit
         if has_sliders(p):
-            memory.slid[0] = side * force_of_sliders(p, state)
+            memory.slid[0] = side * resting_sliders(p, state, pressure, time)
         if p.bristle_damping > 0.0:
             damping += bristle_viscosity(p, bending)
     elif p.stribeck_ratio > 1.0:
