@@ -192,9 +192,15 @@ def beside_steps(
     begun = extended(noisy, effect, known, None, is_global=is_global, promise=promise, follows_all=follows_all)
     if begun.found.error >= noisy.found.error:
         return finished(*at_neutral(fit, effect))
-    problem = replace(begun.problem, within=fit.problem.within)
-    ended = descend_to_end(problem, begun.found.point)
+    problem, ended = released_at_end(replace(begun.problem, within=fit.problem.within), begun.found.point)
     return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))
+
+
+def released_at_end(problem: Problem, point: np.ndarray) -> tuple[Problem, Found]:
+    """Follow a start down to the end, and from there on with what the effects free of the base valve, if they do."""
+    ended = descend_to_end(problem, point)
+    freed, start = released(problem, ended.point)
+    return (problem, ended) if freed is problem else (freed, descend_to_end(freed, start))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -205,7 +211,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     if effect.is_read_off:
         return finished(start.problem, descend_to_end(start.problem, start.point))
     problem, best = followed(fit, effect, [start])
-    return finished(problem, descend_to_end(problem, best.point))
+    return finished(*released_at_end(problem, best.point))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -265,10 +271,11 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further.
 
-    Base parameters that the effect frees move last, from where all else has come: from afar they lead astray.
+    Base parameters that the effect frees move last, from where all else has come: from afar they lead astray. Where
+    the readings come in coarse steps they do so until the search is at its end.
     """
     problem, best = looked_down(fit, effect, group)
-    freed, point = released(problem, best.point)
+    freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
     return (problem, best) if freed is problem else (freed, descend(freed, point, evaluations=10, precision=1e-3))
 
 

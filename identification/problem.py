@@ -118,7 +118,12 @@ class Problem:
     @cached_property
     def is_in_steps(self) -> bool:
         """Whether the model reads in coarse steps of an experiment's readings, and what lies within does not count."""
-        return self.within > 0.0 and any(self.comes_in_steps(each) for each in self.experiments)
+        return self.within > 0.0 and self.reads_in_steps
+
+    @cached_property
+    def reads_in_steps(self) -> bool:
+        """Whether the model reads in coarse steps of an experiment's readings."""
+        return any(self.comes_in_steps(each) for each in self.experiments)
 
     def comes_in_steps(self, experiment: Experiment) -> bool:
         """Return whether an experiment's readings come in the model's coarse steps."""
