@@ -10,7 +10,6 @@ from dataclasses import replace
 from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.judgement import is_felt
 from diagnosis.standing import (
-    EXPLAINS_MUCH,
     EXPLAINS_SOME,
     NEAR_THE_BEST,
     alone_of,
@@ -205,7 +204,7 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best cause of two effects with each exchanged for what it may stand in for, on top of what stays.
 
     An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
-    record nothing else was tried on top of that. It must explain much alone. What hides in the base valve's numbers
+    record nothing else was tried on top of that. It must explain some alone. What hides in the base valve's numbers
     promises little by slopes, and is tried as well unless the noise is reached: nothing can come nearer than that, but
     an alias may come as near. Where nothing explains the record the best effects have been tried with all that promises
     most.
@@ -215,11 +214,11 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         return []
     alone, values = alone_of(tried), values_alone(tried)
     known = {frozenset(each.effects): each for each in tried}
-    much = EXPLAINS_MUCH * misfit(tried[0])
+    some = EXPLAINS_SOME * misfit(tried[0])
     work: list[Work] = []
     for kept, left, other in exchanges(best, alone.values()):
         (key,) = other.effects
-        stays = not effect_of_key(kept).is_jagged and not alone[kept].has_series and misfit(alone[kept]) <= much
+        stays = not effect_of_key(kept).is_jagged and not alone[kept].has_series and misfit(alone[kept]) <= some
         before = known.get(frozenset((kept, key)))
         is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)

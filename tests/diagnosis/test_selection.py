@@ -244,7 +244,9 @@ def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
         assert [each.effects for each in work] == expected[kept:]
         assert all(each.fit is alone[0].fit for each in work)
     assert proposals.on_what_stays([*tried, candidate(1.5, *behind[::-1])])[0].effects == expected[1]
-    assert proposals.on_what_stays([*tried[:-1], candidate(1.01, "friction_drift", "choked_flow")]) == []
+    # At the noise nothing comes nearer, but an alias may come as near.
+    at_noise = proposals.on_what_stays([*tried[:-1], candidate(1.01, "friction_drift", "choked_flow")])
+    assert [each.effects for each in at_noise] == expected[:1]
 
 
 @pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
