@@ -20,7 +20,7 @@ from identification.reduction import reduced
 from identification.screening import screened
 from identification.sharpening import sharpened
 from identification.stick_slip import SlipSearch
-from valvemodel.base_valve import BY_PRESSURE
+from identification.unknowns import freed_by
 from valvemodel.effects import effect_of_key
 
 SERIES = 2
@@ -149,9 +149,8 @@ def freedom_of(fit: Fit) -> int:
     """Return the number of free parameters that a fit's effects bring; a series, held by its prior, is few."""
     effects = [effect_of_key(key) for key in fit.model.effects]
     own = sum(not each.is_higher for effect in effects for each in effect.fitted)
-    freed = {name for effect in effects for name in effect.frees}
-    told = BY_PRESSURE if fit.problem.has_pressure else ()
-    return own + len(freed.difference(told)) + (SERIES if fit.problem.has_series else 0)
+    freed = freed_by(fit.model.effects, with_pressure=fit.problem.has_pressure)
+    return own + len(freed) + (SERIES if fit.problem.has_series else 0)
 
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:

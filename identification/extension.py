@@ -25,6 +25,7 @@ from identification.screening import (
     residual_positions,
     resized,
     screened,
+    withheld,
 )
 from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
 from identification.stick_slip import (
@@ -207,9 +208,11 @@ def released_at_end(problem: Problem, point: np.ndarray) -> tuple[Problem, Found
 def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
     """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
     effect = effect_of_key(key)
-    start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
     if effect.is_read_off:
-        return finished(start.problem, descend_to_end(start.problem, start.point))
+        # A fit that took the steps for noise may have led astray what it freed.
+        problem, point = joined(*withheld(fit.problem, fit.found.point), effect, values)
+        return finished(*released_at_end(problem, point))
+    start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
     problem, best = followed(fit, effect, [start])
     return finished(*released_at_end(problem, best.point))
 

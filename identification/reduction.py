@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
 from identification.search import descend_to_end
-from identification.unknowns import base_unknowns
+from identification.unknowns import freed_by
 from valvemodel.effects import effect_of_key
 
 
@@ -27,8 +27,8 @@ def reduced(fit: Fit, key: str) -> Fit:
     if key not in fit.model.effects:
         raise KeyError(f"no effect {key!r} in the fit, only {', '.join(fit.model.effects) or 'none'}")
     model = fit.model.without_effect(key)
-    free = {each.name for each in base_unknowns(model, with_pressure=fit.problem.has_pressure)}
-    held = set(effect_of_key(key).frees) - free
+    before, after = (freed_by(each.effects, with_pressure=fit.problem.has_pressure) for each in (fit.model, model))
+    held = before - after
     taken = {each.name for each in effect_of_key(key).parameters} | held
     kept = [number for number, unknown in enumerate(fit.unknowns) if unknown.name not in taken]
     problem = replace(

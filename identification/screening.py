@@ -15,7 +15,7 @@ from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
 from identification.search import errors, roam_over
 from identification.uncertainty import blocks_of
-from identification.unknowns import base_unknowns, effect_unknowns
+from identification.unknowns import base_unknowns, effect_unknowns, freed_by
 from valvemodel.declarations import Effect
 
 LITTLE_LEFT = 1.1
@@ -201,6 +201,13 @@ def released(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
         return problem, point
     scaled = [unknown.scaled(problem.model.values[unknown.name]) for unknown in freed]
     return replace(problem, unknowns=[*problem.unknowns, *freed]), np.concatenate([point, scaled])
+
+
+def withheld(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
+    """Return a problem with the base parameters that its effects free as they were given, and its scaled point."""
+    freed = freed_by(problem.model.effects, with_pressure=problem.has_pressure)
+    kept = [number for number, unknown in enumerate(problem.unknowns) if unknown.name not in freed]
+    return replace(problem, unknowns=[problem.unknowns[number] for number in kept]), point[kept]
 
 
 def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,14 +75,19 @@ class Unknown:
         return self.scaled(self.low), self.scaled(self.high)
 
 
+def freed_by(effects: Iterable[str], *, with_pressure: bool) -> set[str]:
+    """Return the base parameters that effects free, beside those that a measured pressure tells in any case."""
+    freed = {name for key in effects for name in effect_of_key(key).frees}
+    return freed.difference(BY_PRESSURE if with_pressure else ())
+
+
 def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]:
     """Return the free base parameters k, F_c, f_v, c0, E, the mass held by its prior, and P_1 where that is told.
 
     It is by a measured pressure, and by an effect of the model that frees it.
     """
     unknowns = []
-    told = {name for key in model.effects for name in effect_of_key(key).frees}
-    told.update(BY_PRESSURE if with_pressure else ())
+    told = freed_by(model.effects, with_pressure=with_pressure) | set(BY_PRESSURE if with_pressure else ())
     has_gap = model.values["pressure_per_current"] == 0.0
     for parameter in BASE_PARAMETERS:
         is_free = parameter.is_fitted or parameter.name in told
