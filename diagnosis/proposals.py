@@ -7,13 +7,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
-from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
 from diagnosis.judgement import is_felt
 from diagnosis.standing import (
     EXPLAINS_SOME,
     NEAR_THE_BEST,
     alone_of,
     best_of,
+    is_blunt,
     is_laid_on_top,
     is_quick,
     is_read_off,
@@ -24,7 +25,7 @@ from diagnosis.standing import (
 )
 from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
-from identification.hints import begins_at_periods
+from identification.hints import begins_at_periods, other_forms
 from valvemodel.effects import are_aliases, effect_of_key
 
 LEADERS = 2
@@ -225,6 +226,42 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
+
+
+def jumps_unseen(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best two effects of which one makes the stem jump, as work that searches for that one globally.
+
+    Where no stops are seen it was only followed down, and has gained by that what a wider search may gain more of.
+    """
+    if any_explains(tried):
+        return []
+    alone, values = alone_of(tried), values_alone(tried)
+    work: list[Work] = []
+    for pair in [each for each in best_of(tried, 2) if is_blunt(each)][:LEADERS]:
+        for smooth, jumping in (pair.effects, pair.effects[::-1]):
+            gained = is_quick(smooth) and misfit(pair) < EXPLAINS_SOME * misfit(alone[smooth])
+            if gained and effect_of_key(jumping).breakaway and not stopping_on(alone[smooth].fit, values):
+                work.append(Work(alone[smooth].fit, (smooth, jumping), True))
+    return work
+
+
+def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the smooth one of the best two effects, of which the other makes the stem jump, alone in its other forms.
+
+    Where the jumps are left out a wrong form may come as near as the right one.
+    """
+    best = best_of(tried, 2)[0]
+    if explains(best, tried[0]) or not is_blunt(best):
+        return []
+    values = {key: best.fit.model.effects[key] for key in best.effects if is_quick(key)}
+    forms = [(key, form) for key in values for form in other_forms(effect_of_key(key), values[key])]
+    return [Work(tried[0].fit, (key,), False, form, is_known=True) for key, form in forms]
+
+
+def with_jumps(alone: Sequence[Candidate], tried: Sequence[Candidate]) -> list[Work]:
+    """Return what makes the stem jump of the best two effects, on top of others alone."""
+    jumping = [key for key in best_of(tried, 2)[0].effects if effect_of_key(key).breakaway]
+    return [Work(each.fit, (*each.effects, key), True) for each in alone for key in jumping]
 
 
 def may_hide(key: str) -> bool:

@@ -16,11 +16,14 @@ from diagnosis.proposals import (
     SHORTLIST_BACK,
     exchanged,
     extensions,
+    in_other_forms,
+    jumps_unseen,
     leaders_of,
     left_alone,
     on_what_explains,
     on_what_stays,
     reversed_pairs,
+    with_jumps,
 )
 from diagnosis.standing import (
     best_of,
@@ -181,6 +184,9 @@ def with_kindred(
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
     known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
+    known = with_better(known, try_all(jumps_unseen(known), holdout, pool, progress, "2 effects together"))
+    alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
+    known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
     for choice in (best_of(known, 2), aliases_of_best(known)):
         known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))
     return known

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 
 import numpy as np
@@ -46,6 +46,14 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
             start = dict(zip(choices, combination, strict=True))
             if not effect.laws or any(law.items() <= start.items() for law in effect.laws):
                 yield start
+
+
+def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, float]]:
+    """Return the values of an effect in each of its other forms: with other numbers that no fit moves."""
+    held = {each.name: [float(start) for start in each.starts] for each in effect.parameters if not each.is_fitted}
+    forms = [dict(zip(held, combination, strict=True)) for combination in product(*held.values())]
+    lawful = [form for form in forms if not effect.laws or form in effect.laws]
+    return [{**values, **form} for form in lawful if form.items() - values.items()]
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

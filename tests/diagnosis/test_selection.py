@@ -249,6 +249,38 @@ def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
     assert [each.effects for each in at_noise] == expected[:1]
 
 
+@pytest.mark.parametrize(
+    ("left", "known", "sees_stops", "is_searched"),
+    [(60.0, 99.0, False, True), (130.0, 99.0, False, False), (60.0, 99.0, True, False), (60.0, 1.1, False, False)],
+)
+def test_jumps_that_gained_without_a_search_are_searched_for(monkeypatch, left, known, sees_stops, is_searched):
+    """Static friction beside a seal's, in ramps too quick for stops to be seen: it had been followed down only."""
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: ["static_friction"] * sees_stops)
+    seal, pair = (("pressure_dependent_friction",), ("pressure_dependent_friction", "static_friction"))
+    tried = [candidate(230.0), candidate(150.0, *seal), candidate(216.0, "static_friction")]
+    tried += [candidate(known, "coil_lag"), candidate(left, *pair)]
+    work = proposals.jumps_unseen(tried)
+    assert [(each.effects, each.is_global) for each in work] == [(pair, True)] * is_searched
+    assert all(each.fit is tried[1].fit for each in work)
+
+
+def test_a_smooth_effect_beside_jumps_is_tried_in_its_other_forms():
+    """Alone the seal's friction by the square of the pressure had come as near as that by the pressure."""
+    seal, best = candidate(150.0, "pressure_dependent_friction"), ("pressure_dependent_friction", "static_friction")
+    tried = [candidate(230.0), seal, candidate(216.0, "static_friction"), candidate(12.0, *best)]
+    law = {"friction_area": 3e-3, "friction_pressure_order": 2.0}
+    tried[-1].fit.model.effects["pressure_dependent_friction"] = law
+    (work,) = proposals.in_other_forms(tried)
+    assert work.effects == ("pressure_dependent_friction",)
+    assert work.known == {**law, "friction_pressure_order": 1.0}
+    assert work.is_known
+    assert work.fit is tried[0].fit
+    (again,) = proposals.with_jumps([seal], tried)
+    assert (again.effects, again.fit, again.is_global) == (best, seal.fit, True)
+    assert proposals.in_other_forms([*tried, candidate(1.1, "gap_drift", "air_leak")]) == []
+    assert proposals.in_other_forms([*tried, candidate(9.0, "gap_drift", "air_leak")]) == []
+
+
 @pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
 def test_an_effect_is_tried_alone_again_from_where_another_beside_it_left_no_trace(trace, alone, expected):
     pair = replace(candidate(1.0, "sensor_lag", "asymmetric_viscous_friction"), trace=trace)
