@@ -287,7 +287,7 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
-    starts = [(trial.problem, trial.point) for trial in kept]
+    starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
     if makes_pressure(effect):
         for trial in kept:
@@ -307,6 +307,23 @@ def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
     """
     forms = [neutral_in(effect, trial) for trial in group]
     return [trial for trial, form in zip(group, forms, strict=True) if form != forms[0]][:1]
+
+
+def of_another_side(effect: Effect, group: list[Trial], kept: list[Trial]) -> list[Trial]:
+    """Return the most promising start to another side of no effect than those that are kept, if there is one.
+
+    Slopes promise most to the side where an effect that is none would lead.
+    """
+    known = {sides_in(effect, trial) for trial in kept}
+    return [trial for trial in group if sides_in(effect, trial) not in known][:1]
+
+
+def sides_in(effect: Effect, trial: Trial) -> tuple[bool, ...]:
+    """Return to which side of no effect each parameter lies at a start, of those that may lie to either."""
+    values = trial.problem.model.effects[effect.key]
+    return tuple(
+        values[each.name] > each.neutral for each in effect.fitted if each.low < each.neutral < each.high < math.inf
+    )
 
 
 def neutral_in(effect: Effect, trial: Trial) -> frozenset[str]:

@@ -12,3 +12,11 @@ def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way(tmp_p
     assert base.found.error > 5.0 * base.problem.noise_error
     assert found.found.error < 1.1 * found.problem.noise_error
     assert abs(found.model.effects[key]["viscous_asymmetry"] - (high - low) / (high + low)) < 0.03
+
+
+def test_the_side_to_which_slopes_promise_less_is_followed_too(tmp_path):
+    """From the base valve alone all starts to the wrong side promise more."""
+    _, base, found = fits_to_plant(63720192, "asymmetric_viscous_friction", tmp_path, profile=672236625, nuisance=True)
+    assert base.found.error > 5.0 * base.problem.noise_error
+    assert found.found.error < 1.05 * found.problem.noise_error
+    assert found.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"] > 0.5
