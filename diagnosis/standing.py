@@ -24,7 +24,7 @@ MANY_NUMBERS = 4
 
 EXPLAINS_MUCH, EXPLAINS_SOME = 0.5, 0.75
 """Share of the base's squared error below which a cause must come whose runs take long for others to be tried on top of
-it, and for it to be tried on top of others."""
+it, and for it to be tried on top of others, or to stay where the other of two makes room."""
 
 
 def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:

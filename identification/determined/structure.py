@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from identification.unknowns import freed_by
 from valvemodel.base_valve import BY_PRESSURE
-from valvemodel.effects import effect_of_key
 from valvemodel.equations.symmetries import GROUPS, SCALINGS
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -53,7 +53,7 @@ def structure_of(record: Record, model: Model) -> Structure:
 
     An effect that frees what else a measured pressure tells breaks the same symmetry as that does.
     """
-    freed = {name for key in model.effects for name in effect_of_key(key).frees}
+    freed = freed_by(model.effects, with_pressure=False)
     tells_pressure = record.pressure is not None or not freed.isdisjoint(BY_PRESSURE)
     kind = (_signals(record, has_pressure=tells_pressure), model.values["pressure_per_current"] > 0.0)
     has_breakaway = not _BREAKAWAY.isdisjoint(model.effects)
