@@ -1,6 +1,8 @@
 """Many small contacts in parallel, each elastic until it slides: Iwan's sliders. They remember each turn.
 
 None carries more than what holds it, ahead or behind: where friction falls, sliders that were bent farther slide back.
+Beside a tight spot so steep, or sliders so soft, that what holds one grows faster than the stem moves, where it sticks
+anew is known to the nodes of a step only: a run may be off by some tenths of a millimetre.
 """
 
 from __future__ import annotations
