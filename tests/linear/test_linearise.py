@@ -50,6 +50,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     ),
     "progressive": valve(spring_hardening={"spring_hardening": 2.0, "spring_progression": 1.5}),
     "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2, "turbulent_leak_ratio": 0.3}),
+    "leaking as a gas": valve(air_leak={"leak_ratio": 0.1, "turbulent_leak_ratio": 0.2, "leak_chokes": 1.0}),
     "many": valve(
         **{key: QUICK.get(key, {}) for key in ("coil_lag", "chamber_filling", "sensor_lag", "spring_hardening",
         "area_variation", "magnetic_saturation", "linkage_nonlinearity", "position_dependent_friction")}

@@ -101,6 +101,17 @@ def test_every_law_of_presliding_is_close_to_the_exact_run_on_a_triangle(law):
     assert left_over < 0.5 * LEFT_OVER["presliding"]
 
 
+LEAKS_GAS = {"leak_ratio": 0.05, "turbulent_leak_ratio": 0.2, "leak_chokes": 1.0}
+
+
+def test_a_choking_leak_converges_to_the_exact_run():
+    assert np.sqrt(np.mean(apart(base().with_effect("air_leak", **LEAKS_GAS), 0.1) ** 2)) < 2e-6
+
+
+def test_derivatives_of_a_step_behind_a_choking_leak_agree_with_differences():
+    check_derivatives(base().with_effect("air_leak", **LEAKS_GAS))
+
+
 def test_sliders_slide_where_friction_falls_with_the_pressure():
     model = base(viscous_friction=3000.0).with_effect("presliding", presliding_compliance=2e-6, slider_share=1.0)
     off = apart(model.with_effect("pressure_dependent_friction", friction_area=0.01), 0.1, parts=16)[TIME < 12.0]

@@ -11,7 +11,7 @@ from valvemodel.equations import numeric
 from valvemodel.linear.block import Treatment, block, gain, lag
 from valvemodel.linear.point import OperatingPoint, evaluate
 from valvemodel.stages.amplifier import LEAST_ROOT
-from valvemodel.stages.nozzle import ATMOSPHERE, compressible_pressure
+from valvemodel.stages.nozzle import ATMOSPHERE, CRITICAL, compressible_pressure
 
 TREATMENTS = {
     "chamber_filling": Treatment(True, "a first-order lag whose rate is the slope of eq. (15) at rest"),
@@ -69,10 +69,15 @@ def compressible_by_gap(numbers: Mapping[str, float], gap: float) -> float:
     behind = compressible_pressure(gap, supply, ratio, critical) + ATMOSPHERE
     opening = math.sqrt(ratio) * abs(gap)
     out = passed_share(ATMOSPHERE / behind, critical)
-    by_pressure = share_slope(behind / before, critical)
-    by_pressure -= opening * (out - share_slope(ATMOSPHERE / behind, critical) * ATMOSPHERE / behind)
     by_gap = -math.copysign(math.sqrt(ratio), gap) * behind * out
-    return -by_gap / by_pressure
+    return -by_gap / balance_by_pressure(before, behind, opening, critical)
+
+
+def balance_by_pressure(before: float, between: float, opening: float, critical: float) -> float:
+    """Return the slope in the pressure between them of the balance of a hole's flow and one so many times as open."""
+    out = passed_share(ATMOSPHERE / between, critical)
+    by_pressure = share_slope(between / before, critical)
+    return by_pressure - opening * (out - share_slope(ATMOSPHERE / between, critical) * ATMOSPHERE / between)
 
 
 def passed_share(ratio: float, critical: float) -> float:
@@ -112,4 +117,18 @@ def leak_slope(numbers: Mapping[str, float], point: OperatingPoint) -> float:
     """Return the slope of the actuator pressure behind the leak."""
     if numbers["leak_ratio"] == numbers["turbulent_leak_ratio"] == 0.0 or point.pressure <= 0.0:
         return 1.0
-    return evaluate(numeric.leaked_pressure_by_pressure, numbers, actuator_pressure=point.pressure)
+    if numbers["leak_chokes"] == 0.0:
+        return evaluate(numeric.leaked_pressure_by_pressure, numbers, actuator_pressure=point.pressure)
+    porous = {**numbers, "turbulent_leak_ratio": 0.0}
+    slope = evaluate(numeric.leaked_pressure_by_pressure, porous, actuator_pressure=point.pressure)
+    return slope * choking_leak_slope(point.supplied_pressure, numbers["turbulent_leak_ratio"])
+
+
+def choking_leak_slope(supplied: float, turbulent: float) -> float:
+    """Return the slope of the pressure behind a choking leak in the one before, by the implicit function's theorem."""
+    if turbulent == 0.0:
+        return 1.0
+    before, between = supplied + ATMOSPHERE, compressible_pressure(1.0, supplied, turbulent, CRITICAL) + ATMOSPHERE
+    ratio = between / before
+    by_supply = passed_share(ratio, CRITICAL) - ratio * share_slope(ratio, CRITICAL)
+    return -by_supply / balance_by_pressure(before, between, math.sqrt(turbulent), CRITICAL)

@@ -12,13 +12,16 @@ from valvemodel.smooth.electromagnet import CORNER
 from valvemodel.smooth.lags import SHORTEST_TIME
 from valvemodel.smooth.rounding import Expression, gate, passed, ramp
 from valvemodel.stages.amplifier import LEAST_ROOT
-from valvemodel.stages.nozzle import ATMOSPHERE
+from valvemodel.stages.nozzle import ATMOSPHERE, CRITICAL
 
 NEWTON_STEPS = 12
 """From the incompressible pressure to the compressible one, to 1e-9 of the supply over the whole range of gaps."""
 
 LEAST_PRESSURE = 1e-3
 """Keeps the slope of roots finite. [Pa]"""
+
+LEAST_LEAK = 1e-12
+"""Keeps the slope of the root of a choking leak's area finite. [1]"""
 
 LEAST_SLOWNESS = 1e-15
 """Keeps the way of a rate limit of no slowness finite. [s/Pa]"""
@@ -69,23 +72,26 @@ def resting_pressure(p: Any, gap: Expression, current: Expression) -> Expression
         return p.pressure_at_zero_current + p.pressure_per_current * current
     pressure = static_pressure(gap, p.supply_pressure, p.flow_ratio)
     if "choked_flow" in p.effects:
-        pressure += p.compressible_share * (compressible_pressure(p, gap, pressure) - pressure)
+        opening = ca.sqrt(p.flow_ratio) * ca.fabs(gap)
+        compressible = compressible_pressure(opening, p.supply_pressure, p.critical_pressure_ratio, pressure)
+        pressure += p.compressible_share * (compressible - pressure)
     return pressure
 
 
-def compressible_pressure(p: Any, gap: Expression, pressure: Expression) -> Expression:
-    """Return the gauge pressure at which the choking orifice feeds the choking nozzle, by Newton's steps. [Pa]"""
-    opening = ca.sqrt(p.flow_ratio) * ca.fabs(gap)
-    high_side = p.supply_pressure + ATMOSPHERE
+def compressible_pressure(
+    opening: Expression, supply: Expression, critical: Expression, pressure: Expression
+) -> Expression:
+    """Return the gauge pressure at which a hole feeds one so many times as open, by Newton's steps. [Pa]"""
+    high_side = supply + ATMOSPHERE
     for _ in range(NEWTON_STEPS):
         absolute = pressure + ATMOSPHERE
-        inflow, inflow_slope = passed_share(absolute / high_side, p.critical_pressure_ratio)
-        outflow, outflow_slope = passed_share(ATMOSPHERE / absolute, p.critical_pressure_ratio)
+        inflow, inflow_slope = passed_share(absolute / high_side, critical)
+        outflow, outflow_slope = passed_share(ATMOSPHERE / absolute, critical)
         balance = high_side * inflow - opening * absolute * outflow
         slope = inflow_slope - opening * (outflow - outflow_slope * ATMOSPHERE / absolute)
         following = pressure - balance / slope
         # Halfway to an end where a step would leave the range: the root lies inside.
-        pressure = ca.fmax(ca.fmin(following, 0.5 * (pressure + p.supply_pressure)), 0.5 * pressure)
+        pressure = ca.fmax(ca.fmin(following, 0.5 * (pressure + supply)), 0.5 * pressure)
     return pressure
 
 
@@ -101,8 +107,11 @@ def behind_leak(p: Any, pressure: Expression) -> Expression:
     if "air_leak" not in p.effects:
         return pressure
     positive = ca.fmax(pressure, LEAST_PRESSURE)
-    loss = p.leak_ratio * ca.sqrt(p.supply_pressure)
-    root = 2.0 * positive / (loss + ca.sqrt(loss * loss + 4.0 * (1.0 + p.turbulent_leak_ratio) * positive))
+    loss, turbulent, behind = p.leak_ratio * ca.sqrt(p.supply_pressure), p.turbulent_leak_ratio, positive
+    if p.leaks_gas:
+        opening = ca.sqrt(ca.fmax(turbulent, LEAST_LEAK))
+        behind, turbulent = compressible_pressure(opening, positive, CRITICAL, positive / (1.0 + turbulent)), 0.0
+    root = 2.0 * behind / (loss + ca.sqrt(loss * loss + 4.0 * (1.0 + turbulent) * behind))
     return ca.if_else(pressure > LEAST_PRESSURE, root * root, pressure)
 
 

@@ -11,6 +11,9 @@ from valvemodel.equations import numeric
 ATMOSPHERE = 101325.0
 """Absolute pressure of the surroundings. [Pa]"""
 
+CRITICAL = 0.528
+"""Ratio of the pressures from which an ideal hole chokes (Saint-Venant and Wantzel): b of ISO 6358."""
+
 EFFECTS = (
     Effect(
         key="chamber_filling",
@@ -119,8 +122,14 @@ EFFECTS = (
         stage="nozzle",
         title="air leak",
         meaning="a hole in diaphragm or tubing behind a restriction takes a part of the pressure",
-        equation=r"(1 + g)\,P_a + \ell\sqrt{P_1 P_a} = P_b",
-        source="restriction, laminar (l) or turbulent (g), into a turbulent hole, at rest",
+        equation=(
+            r"(1 + g)\,P_a + \ell\sqrt{P_1 P_a} = P_b\quad\text{or}\quad "
+            r"P_b^a\,\psi(P_m^a/P_b^a) = \sqrt{g}\,P_m^a\,\psi(P_0/P_m^a),\ P_a + \ell\sqrt{P_1 P_a} = P_m"
+        ),
+        source=(
+            "restriction, laminar (l) or turbulent (g), into a turbulent hole, at rest; as a gas by ISO 6358 with the "
+            "critical ratio of Saint-Venant and Wantzel (1839)"
+        ),
         parameters=(
             Parameter("leak_ratio", "1", "l: pressure lost over supply at full pressure", 0.0, 0.6, 0.0, (0.03, 0.15)),
             Parameter(
@@ -133,6 +142,7 @@ EFFECTS = (
                 (0.0, 0.1),
                 is_later=True,
             ),
+            choice_of_law("leak_chokes", "0: turbulent flow as of a liquid; 1: as of a gas, which chokes"),
         ),
         aliases=("choked_flow", "none"),
         told_apart_by="a gauge on either side of the restriction, or the air consumed",
@@ -155,7 +165,7 @@ EFFECTS = (
                 (1.0,),
                 is_fitted=False,
             ),
-            Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, 0.528, (0.528, 0.4)),
+            Parameter("critical_pressure_ratio", "1", "b of ISO 6358", 0.1, 0.6, CRITICAL, (CRITICAL, 0.4)),
         ),
         # Beside the pressure of the air outside, that of the supply is no mere scale of the forces any more.
         frees=("supply_pressure",),
@@ -254,8 +264,10 @@ def behind_leak(p, pressure):
     """Return the actuator pressure behind restriction and leak; the identity without a leak. [Pa]"""
     if not has_leak(p) or pressure <= 0.0:
         return pressure
-    loss = p.leak_ratio * math.sqrt(p.supply_pressure)
-    root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * (1.0 + p.turbulent_leak_ratio) * pressure))
+    loss, turbulent = p.leak_ratio * math.sqrt(p.supply_pressure), p.turbulent_leak_ratio
+    if p.leak_chokes > 0.0:
+        pressure, turbulent = compressible_pressure(1.0, pressure, turbulent, CRITICAL), 0.0
+    root = 2.0 * pressure / (loss + math.sqrt(loss * loss + 4.0 * (1.0 + turbulent) * pressure))
     return root * root
 
 
