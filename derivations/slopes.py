@@ -40,17 +40,21 @@ _PARTS = (
 
 def rows() -> Iterator[tuple[Any, ...]]:
     """Yield the arguments of `Source` for each function to generate, in the order of the chain."""
-    yield (
-        "saturated_current_by_current", "electromagnet", "i r_m i_k w_i b_i",
-        1 - (1 - symbol("r_m")) * LOSS_SLOPE * RAMP_SLOPE,
-        "Slope of the current that the flux stands for.", "magnetic_saturation, differentiated", "1",
-        (
-            (ABOVE.name, symbol("i") - symbol("i_k")),
-            (RAMP.name, rounded_ramp()),
-            (RAMP_SLOPE.name, sp.diff(rounded_ramp(), ABOVE)),
-            (LOSS_SLOPE.name, sp.factor(sp.diff(lost_current(), RAMP))),
-        ),
-    )  # fmt: skip
+    for name, law, lost in (
+        ("saturated_current_by_current", "", lost_current()),
+        ("current_saturated_as_tanh_by_current", " by the law of tanh", lost_by_tanh()),
+    ):
+        yield (
+            name, "electromagnet", "i r_m i_k w_i b_i",
+            1 - (1 - symbol("r_m")) * LOSS_SLOPE * RAMP_SLOPE,
+            f"Slope of the current that the flux stands for{law}.", "magnetic_saturation, differentiated", "1",
+            (
+                (ABOVE.name, symbol("i") - symbol("i_k")),
+                (RAMP.name, rounded_ramp()),
+                (RAMP_SLOPE.name, sp.diff(rounded_ramp(), ABOVE)),
+                (LOSS_SLOPE.name, sp.factor(sp.diff(lost, RAMP))),
+            ),
+        )  # fmt: skip
     yield (
         "chamber_rate", "nozzle", "P_b delta P_1 K T_f g_f", chamber_rate(),
         "Rate at which a small departure of the pressure from its rest dies out.",
@@ -160,6 +164,11 @@ def rounded_ramp() -> sp.Expr:
 def lost_current() -> sp.Expr:
     """What is lost above the knee with no slope far above it: the rest is Froehlich's hyperbola, or nothing."""
     return RAMP**2 / (RAMP + symbol("b_i"))
+
+
+def lost_by_tanh() -> sp.Expr:
+    """The same where the rest is a hyperbolic tangent."""
+    return RAMP - symbol("b_i") * sp.tanh(RAMP / symbol("b_i"))
 
 
 def filling_time() -> sp.Expr:

@@ -35,7 +35,7 @@ NARROWER = (0.25, 0.4)
 """Steps of a coarse reading within which an error does not count while a search comes near: within half a step the
 error has many flat places."""
 
-END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 20, 1e-6, 1e-4
+END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 40, 1e-6, 1e-4
 """Points of a search that is followed to its end, and the precision there and while it only comes near."""
 
 EVALUATIONS_IN_STEPS = 60

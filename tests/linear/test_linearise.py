@@ -31,6 +31,9 @@ QUICK = {
 """Quick enough to show in that time."""
 
 
+TANH = {"saturation_slope": 0.0, "saturation_knee": 8e-3, "saturation_reach": 15e-3, "saturation_law": 1.0}
+
+
 def valve(name: str = "calibrated", **effects: dict[str, float]) -> Model:
     found = read_valve(name)
     return Model(found.name, found.values, effects)
@@ -50,6 +53,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     ),
     "progressive": valve(spring_hardening={"spring_hardening": 2.0, "spring_progression": 1.5}),
     "choked and leaking": valve(choked_flow={}, air_leak={"leak_ratio": 0.2, "turbulent_leak_ratio": 0.3}),
+    "saturating as tanh": valve(magnetic_saturation=TANH),
     "leaking as a gas": valve(air_leak={"leak_ratio": 0.1, "turbulent_leak_ratio": 0.2, "leak_chokes": 1.0}),
     "many": valve(
         **{key: QUICK.get(key, {}) for key in ("coil_lag", "chamber_filling", "sensor_lag", "spring_hardening",

@@ -247,6 +247,10 @@ def test_static_maps_against_their_formulas():
     left -= ramp(0.0) / (1.0 + ramp(0.0) / 8e-3) - ramp(0.0)
     model = BASE.with_effect("magnetic_saturation", **numbers | {"saturation_slope": 0.0, "saturation_reach": 8e-3})
     assert np.abs(run(model, time, current) - run(BASE, time, current + left)).max() < 1e-12
+    left = 8e-3 * (np.tanh(ramp(current) / 8e-3) - np.tanh(ramp(0.0) / 8e-3)) - ramp(current) + ramp(0.0)
+    law = {"saturation_slope": 0.0, "saturation_reach": 8e-3, "saturation_law": 1.0}
+    model = BASE.with_effect("magnetic_saturation", **numbers | law)
+    assert np.abs(run(model, time, current) - run(BASE, time, current + left)).max() < 1e-12
     values = BASE.values
     gap = values["gap_offset"] - values["gap_gain"] * np.sqrt(current)
     pressure = values["supply_pressure"] / (1.0 + values["flow_ratio"] * gap**2)

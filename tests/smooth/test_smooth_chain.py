@@ -101,15 +101,18 @@ def test_every_law_of_presliding_is_close_to_the_exact_run_on_a_triangle(law):
     assert left_over < 0.5 * LEFT_OVER["presliding"]
 
 
+TANH = {"saturation_slope": 0.0, "saturation_knee": 8e-3, "saturation_reach": 15e-3, "saturation_law": 1.0}
 LEAKS_GAS = {"leak_ratio": 0.05, "turbulent_leak_ratio": 0.2, "leak_chokes": 1.0}
 
 
-def test_a_choking_leak_converges_to_the_exact_run():
-    assert np.sqrt(np.mean(apart(base().with_effect("air_leak", **LEAKS_GAS), 0.1) ** 2)) < 2e-6
+@pytest.mark.parametrize(("key", "law"), [("air_leak", LEAKS_GAS), ("magnetic_saturation", TANH)])
+def test_later_laws_converge_to_the_exact_run(key, law):
+    assert np.sqrt(np.mean(apart(base().with_effect(key, **law), 0.1) ** 2)) < 2e-6
 
 
-def test_derivatives_of_a_step_behind_a_choking_leak_agree_with_differences():
-    check_derivatives(base().with_effect("air_leak", **LEAKS_GAS))
+@pytest.mark.parametrize(("key", "law"), [("air_leak", LEAKS_GAS), ("magnetic_saturation", TANH)])
+def test_derivatives_of_a_step_by_later_laws_agree_with_differences(key, law):
+    check_derivatives(base().with_effect(key, **law))
 
 
 def test_sliders_slide_where_friction_falls_with_the_pressure():

@@ -461,6 +461,26 @@ def saturated_current_by_current(current, saturation_slope, saturation_knee, sat
     return 1 - loss_slope * ramp_slope * (1 - saturation_slope)
 
 
+def current_saturated_as_tanh_by_current(
+    current, saturation_slope, saturation_knee, saturation_rounding, saturation_reach
+):
+    """Slope of the current that the flux stands for by the law of tanh.
+
+    Effect magnetic_saturation, differentiated. Returns [1].
+
+    current : coil current. [A]
+    saturation_slope : slope above the knee over slope below. [1]
+    saturation_knee : current at the knee. [A]
+    saturation_rounding : width of the knee. [A]
+    saturation_reach : way above the knee over which the gain falls. [A]
+    """
+    above_knee = current - saturation_knee
+    ramp = above_knee / 2 + np.sqrt(above_knee**2 + saturation_rounding**2) / 2
+    ramp_slope = above_knee / (2 * np.sqrt(above_knee**2 + saturation_rounding**2)) + 1 / 2
+    loss_slope = np.tanh(ramp / saturation_reach) ** 2
+    return 1 - loss_slope * ramp_slope * (1 - saturation_slope)
+
+
 def chamber_rate(pressure, gap, supply_pressure, flow_ratio, chamber_filling_time, filling_growth):
     """Rate at which a small departure of the pressure from its rest dies out.
 

@@ -23,7 +23,9 @@ TREATMENTS = {
 
 def blocks(numbers: Mapping[str, float], point: OperatingPoint, pade_order: int) -> list[ct.StateSpace]:
     """Return the blocks from `current` to `effective_current`; the line's delay comes first, as in the chain."""
-    slope = evaluate(numeric.saturated_current_by_current, numbers, current=point.current)
+    is_tanh = numbers["saturation_law"] > 0.0 and numbers["saturation_reach"] > 0.0
+    law = numeric.current_saturated_as_tanh_by_current if is_tanh else numeric.saturated_current_by_current
+    slope = evaluate(law, numbers, current=point.current)
     return [
         delay("line", numbers["transport_delay"], pade_order, "current", "arrived_current"),
         lag("coil", numbers["coil_time_constant"], "current", "arrived_current", "coil_current"),

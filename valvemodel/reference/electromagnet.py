@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, expm1, inf, log, log1p, sqrt
+from math import exp, expm1, inf, log, log1p, sqrt, tanh
 from types import SimpleNamespace
 
 from valvemodel.reference.instant import first_instant
@@ -120,16 +120,18 @@ class Electromagnet:
 
 
 def saturated(n: SimpleNamespace, current: float) -> float:
-    """Return the current, bent above the knee: i - (1 - r) a^2/(a + b), but for a constant: 0 at no current. [A]"""
+    """Return the current, bent above the knee: i - (1 - r) times what is lost, but for a constant: 0 at none. [A]"""
     if n.saturation_slope == 1.0:
         return current
     return current - (1.0 - n.saturation_slope) * (lost(n, current) - lost(n, 0.0))
 
 
 def lost(n: SimpleNamespace, current: float) -> float:
-    """Return a^2/(a + b), of the way a above the knee, which is 0 below it, with a rounded corner. [A]"""
+    """Return a^2/(a + b) or a - b tanh(a/b), of the way a above the knee: 0 below, with a rounded corner. [A]"""
     above = current - n.saturation_knee
     ramp = 0.5 * (above + sqrt(above**2 + n.saturation_rounding**2))
+    if n.saturation_law > 0.0 and n.saturation_reach > 0.0:
+        return ramp - n.saturation_reach * tanh(ramp / n.saturation_reach)
     return ramp**2 / (ramp + n.saturation_reach)
 
 

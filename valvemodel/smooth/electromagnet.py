@@ -80,6 +80,9 @@ def lost_above_knee(p: Any, above: Expression) -> Expression:
     """Return how much of the current the core would lose with no slope above its knee. [A]"""
     width = p.saturation_rounding
     ramp = 0.5 * (above + ca.sqrt(above * above + width * width))
+    if p.saturates_as_tanh:
+        reach = ca.fmax(p.saturation_reach, LEAST_CURRENT)
+        return ramp - reach * ca.tanh(ramp / reach)
     return ramp * (ramp / (ramp + p.saturation_reach))
 
 

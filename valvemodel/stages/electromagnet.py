@@ -87,10 +87,14 @@ EFFECTS = (
         stage="electromagnet",
         title="magnetic saturation",
         meaning="the gain from current to flux falls above a knee",
-        equation=r"i_e = i - (1 - r)\,a^2/(a + b),\quad a = \mathrm{ramp}_w(i - i_k)",
+        equation=(
+            r"i_e = i - (1 - r)\,a^2/(a + b)\quad\text{or}\quad i - (1 - r)\,(a - b\tanh(a/b)),"
+            r"\quad a = \mathrm{ramp}_w(i - i_k)"
+        ),
         source=(
             "normal magnetisation curve of soft iron: two straight parts with a rounded knee (b = 0), or above the "
-            "knee Froehlich's hyperbola (r = 0), Elektrotechnische Zeitschrift 2 (1881); Kennelly (1891)"
+            "knee Froehlich's hyperbola (r = 0), Elektrotechnische Zeitschrift 2 (1881); Kennelly (1891); or tanh, "
+            "Brillouin's function of spin 1/2, J. Phys. Radium 8 (1927)"
         ),
         parameters=(
             Parameter(
@@ -115,6 +119,12 @@ EFFECTS = (
                 (0.0, 50e-3),
                 is_later=True,
             ),
+            choice_of_law("saturation_law", "0: a hyperbola above the knee, or a straight line; 1: tanh"),
+        ),
+        laws=(
+            {"saturation_slope": 0.7, "saturation_law": 0.0},
+            {"saturation_slope": 0.0, "saturation_law": 0.0},
+            {"saturation_slope": 0.0, "saturation_law": 1.0},
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation", "asymmetric_friction"),
         told_apart_by="a measured pressure shows it upstream of the stem",
@@ -197,6 +207,8 @@ def lost_above_knee(p, above):
     """Return how much of the current the core would lose with no slope above its knee. [A]"""
     width = p.saturation_rounding
     ramp = 0.5 * (above + math.sqrt(above * above + width * width))
+    if p.saturation_law > 0.0 and p.saturation_reach > 0.0:
+        return ramp - p.saturation_reach * math.tanh(ramp / p.saturation_reach)
     return ramp * (ramp / (ramp + p.saturation_reach))
 
 
