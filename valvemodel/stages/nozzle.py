@@ -144,7 +144,7 @@ EFFECTS = (
             ),
             choice_of_law("leak_chokes", "0: turbulent flow as of a liquid; 1: as of a gas, which chokes"),
         ),
-        aliases=("choked_flow", "none"),
+        aliases=("choked_flow", "none", "magnetic_saturation"),
         told_apart_by="a gauge on either side of the restriction, or the air consumed",
     ),
     Effect(
