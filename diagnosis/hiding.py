@@ -103,5 +103,5 @@ def is_hidden(found: Candidate, best: Candidate) -> bool:
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:
-    """Return the numbers of an effect at the last of their declared starts."""
-    return {each.name: float(each.starts[-1]) for each in effect.parameters}
+    """Return the numbers of an effect at the last of their declared starts, by the first of its laws."""
+    return {each.name: float(each.starts[-1 if each.is_fitted else 0]) for each in effect.parameters}

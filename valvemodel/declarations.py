@@ -134,8 +134,9 @@ class Effect:
 
     @property
     def hides_in_base(self) -> bool:
-        """Whether it comes close to none, at any strength: the base valve's numbers make up for it."""
-        return "none" in self.aliases and len(self.fitted) == len(self.parameters)
+        """Whether it comes close to none, at any strength: the base valve's numbers make up for it by its first law."""
+        is_free = all(each.is_fitted or each.neutral in each.starts for each in self.parameters)
+        return "none" in self.aliases and is_free
 
     @property
     def shown(self) -> tuple[Parameter, ...]:

@@ -212,6 +212,7 @@ def test_strongest_start_would_be_felt():
     for key in ("air_leak", "linkage_backlash", "asymmetric_friction"):
         effect = effect_of_key(key)
         assert any(strongest_start(effect)[each.name] != each.neutral for each in effect.parameters)
+    assert strongest_start(effect_of_key("air_leak"))["leak_chokes"] == 0.0
 
 
 def test_a_pair_of_which_one_is_said_to_hide_counts_as_declared():

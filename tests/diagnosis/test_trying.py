@@ -7,6 +7,7 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.trials.plan import seeds_of
 from diagnosis.trying import Work, try_anew, try_effect
+from identification import extension
 from identification.experiment import experiment_of
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
@@ -39,10 +40,12 @@ def test_a_form_that_is_wrong_alone_is_left_beside_the_other_effect(given):
     assert times == pytest.approx([0.0339, 0.0339], rel=0.1)
 
 
-def test_from_every_start_a_side_minimum_is_left(given):
-    # Froehlich's hyperbola from 10.3 mA on, which a search from higher knees takes for a wide bend.
-    base, holdout = base_of(given, 2065, 1, "magnetic_saturation")
-    few = try_effect(Work(base, ("magnetic_saturation",), False), holdout)
-    all_starts = try_effect(Work(base, ("magnetic_saturation",), False, follows_all=True), holdout)
+def test_from_every_start_a_side_minimum_is_left(given, monkeypatch):
+    # Damped more on the way up, where the two starts that promise most lead down.
+    monkeypatch.setattr(extension, "of_another_side", lambda *_: [])
+    key = "asymmetric_viscous_friction"
+    base, holdout = base_of(given, 3010, 13, key)
+    few = try_effect(Work(base, (key,), False), holdout)
+    all_starts = try_effect(Work(base, (key,), False, follows_all=True), holdout)
     assert few.score.misfit > 1.5
     assert all_starts.score.misfit < 1.1
