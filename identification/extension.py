@@ -321,9 +321,7 @@ def of_another_side(effect: Effect, group: list[Trial], kept: list[Trial]) -> li
 def sides_in(effect: Effect, trial: Trial) -> tuple[bool, ...]:
     """Return to which side of no effect each parameter lies at a start, of those that may lie to either."""
     values = trial.problem.model.effects[effect.key]
-    return tuple(
-        values[each.name] > each.neutral for each in effect.fitted if each.low < each.neutral < each.high < math.inf
-    )
+    return tuple(values[each.name] > each.neutral for each in effect.fitted if each.low < each.neutral < each.high)
 
 
 def neutral_in(effect: Effect, trial: Trial) -> frozenset[str]:

@@ -195,8 +195,9 @@ def released(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
 
     They start as they were given. Where nothing is to be released both are as they were.
     """
-    known = {unknown.name for unknown in problem.unknowns}
-    freed = [unknown for unknown in base_unknowns(problem.model) if unknown.name not in known]
+    names = freed_by(problem.model.effects, with_pressure=problem.has_pressure)
+    names.difference_update(unknown.name for unknown in problem.unknowns)
+    freed = [unknown for unknown in base_unknowns(problem.model) if unknown.name in names]
     if not freed:
         return problem, point
     scaled = [unknown.scaled(problem.model.values[unknown.name]) for unknown in freed]

@@ -12,6 +12,7 @@ from valvemodel.stages.presliding import (
     bristle_stiffness,
     bristle_viscosity,
     elastic_friction,
+    elastic_friction_at,
     elastic_stiffness,
     friction_after,
     let_slide,
@@ -63,14 +64,14 @@ def advance_linearised(p, state, memory, time, duration, tolerance):
     duration = min(duration, state.plan_longest)
     moves = not are_forces_held(state, memory)
     mass, position = p.stem_mass, state.position
-    loaded, now, last = load_if_any(p, time), pressure_at(memory, time), time + duration
-    driving = inner_thrust(p, position, now) + loaded
-    let_slide(p, state, now, time)
-    net = at_end = driving - elastic_friction(p, state, now, time)
+    loaded, pressure = load_if_any(p, time), pressure_at(memory, time)
+    driving = inner_thrust(p, position, pressure) + loaded
+    let_slide(p, state, pressure, time)
+    net = at_end = driving - elastic_friction(p, state)
     if state.mode == STUCK:
         if moves:
-            then = pressure_at(memory, last)
-            at_end = thrust(p, position, then, last) - elastic_friction(p, state, then, last)
+            last, last_pressure = time + duration, pressure_at(memory, time + duration)
+            at_end = thrust(p, position, last_pressure, last) - elastic_friction_at(p, state, last_pressure, last)
         if settles(p, state, memory, time, duration, net, at_end, tolerance):
             return duration
         side = RISING if net > 0.0 or (net == 0.0 and at_end > 0.0) else FALLING
@@ -195,10 +196,8 @@ def settles(p, state, memory, time, duration, net, at_end, tolerance):
     if SETTLED * viscous > stiffness * duration or max(abs(net), abs(at_end)) > stiffness * negligible:
         return False
     bristle = bristle_after(p, state, side, way, limit)
-    pressure = pressure_at(memory, time)
-    behind = limit_behind(p, state, side, state.position, pressure, time, 0.0)
-    taken = friction_after(p, state, side, way, limit, behind, bristle)
-    taken -= side * elastic_friction(p, state, pressure, time)
+    behind = limit_behind(p, state, side, state.position, pressure_at(memory, time), time, 0.0)
+    taken = friction_after(p, state, side, way, limit, behind, bristle) - side * elastic_friction(p, state)
     if abs(at_end) - taken > bristle_stiffness(p, bristle, limit) * negligible or way > room_to(state, side):
         # It is on its way to break away.
         return False

@@ -317,9 +317,7 @@ def advance_on_bristles(p, state, memory, time, duration, tolerance):
     viscous = p.viscous_friction * (1.0 + p.viscous_asymmetry * side)
     if p.bristle_damping > 0.0:
         viscous += bristle_viscosity(p, bristle_stiffness(p, side * state.bristle, limit))
-    net = side * (
-        thrust(p, position, pressure, 0.0) - elastic_friction(p, state, pressure, 0.0) - viscous * state.velocity
-    )
+    net = side * (thrust(p, position, pressure, 0.0) - elastic_friction(p, state) - viscous * state.velocity)
     is_held = memory.part_count == 0.0
     if is_held and side * state.velocity * state.plan_response <= MEETING * tolerance and net <= 0.0:
         # The rest of a creep is below the tolerance.

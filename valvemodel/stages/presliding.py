@@ -9,6 +9,7 @@ from valvemodel.stages.nodes import NODES, first_fall, fit_powers, left_out
 from valvemodel.stages.part import pressure_at
 from valvemodel.stages.rest import are_forces_held, break_away, is_blocked
 from valvemodel.stages.sliders import (
+    force_of_sliders,
     has_sliders,
     lay_sliders,
     pull_sliders,
@@ -73,18 +74,20 @@ def limit_behind(p, state, side, position, pressure, time, speed):
 
 
 @compiled
-def elastic_friction(p, state, pressure, time):
-    """Return the force of bristles and sliders on a stem where it is, down positive. [N]"""
+def elastic_friction(p, state):
+    """Return the force of bristles and sliders on a stem, down positive. [N]"""
     if not has_sliders(p):
         return state.bristle
-    return with_sliders(p, state.bristle, resting_sliders(p, state, pressure, time))
+    return with_sliders(p, state.bristle, force_of_sliders(p, state))
 
 
 @compiled
-def resting_sliders(p, state, pressure, time):
-    """Return the force of the sliders on a stem where it is, down positive. [N]"""
+def elastic_friction_at(p, state, pressure, time):
+    """Return that force at an instant, on a stem that stays where it is until then: sliders may have slid. [N]"""
+    if not has_sliders(p):
+        return state.bristle
     rising, falling = limits_either_way(p, state, pressure, time)
-    return sliders_after(p, state, RISING, 0.0, rising, falling)
+    return with_sliders(p, state.bristle, sliders_after(p, state, RISING, 0.0, rising, falling))
 
 
 @compiled
@@ -170,7 +173,7 @@ def time_pressed(p, state, memory, time, duration, side):
 def net_on_bristles(p, state, memory, time):
     """Return the force on a stem that rests on bristles. [N]"""
     pressure = pressure_at(memory, time)
-    return thrust(p, state.position, pressure, time) - elastic_friction(p, state, pressure, time)
+    return thrust(p, state.position, pressure, time) - elastic_friction_at(p, state, pressure, time)
 
 
 @compiled

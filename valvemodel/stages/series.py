@@ -9,9 +9,15 @@ import numpy as np
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, ORDER
 from valvemodel.stages.part import pressure_at
-from valvemodel.stages.presliding import fade_after, is_curved, resting_sliders, with_sliders
+from valvemodel.stages.presliding import fade_after, is_curved, with_sliders
 from valvemodel.stages.rest import come_to_rest, meet_limit
-from valvemodel.stages.sliders import has_sliders, pull_sliders, stiffness_of_sliders, way_to_sliding
+from valvemodel.stages.sliders import (
+    force_of_sliders,
+    has_sliders,
+    pull_sliders,
+    stiffness_of_sliders,
+    way_to_sliding,
+)
 from valvemodel.stages.slip import BEYOND, STOP_SPEED, first_stop
 from valvemodel.stages.stem import room_to, sliding_friction, stribeck_excess, tangent_stiffness, thrust
 
@@ -61,7 +67,7 @@ def advance_series(p, state, memory, time, pressure, limit, duration, tolerance)
     stiffness = tangent_stiffness(p, side, position, pressure, 0.0) / mass
     if has_sliders(p):
         departure *= 1.0 - p.slider_share
-        sliding = with_sliders(p, limit, side * resting_sliders(p, state, pressure, 0.0))
+        sliding = with_sliders(p, limit, side * force_of_sliders(p, state))
         stiffness += p.slider_share * stiffness_of_sliders(p, state, side, limit) / mass
         yielding = way_to_sliding(p, state, side, limit)
     push = (side * thrust(p, position, pressure, 0.0) - sliding) / mass

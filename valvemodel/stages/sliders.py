@@ -47,6 +47,15 @@ def bend_sliders(p, state, force):
 
 
 @compiled
+def force_of_sliders(p, state):
+    """Return the force of the sliders. [N]"""
+    total = 0.0
+    for index in range(SLIDERS):
+        total += state.sliders[index]
+    return total / (SLIDERS * p.presliding_compliance)
+
+
+@compiled
 def sliders_after(p, state, side, way, limit, limit_behind):
     """Return the force of the sliders after a way to one side, counted against it. [N]"""
     reach, behind, total = limit * p.presliding_compliance, limit_behind * p.presliding_compliance, 0.0

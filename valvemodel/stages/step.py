@@ -14,11 +14,10 @@ from valvemodel.stages.presliding import (
     is_curved,
     lay_bristles,
     let_slide,
-    resting_sliders,
     with_sliders,
 )
 from valvemodel.stages.response import remember_response
-from valvemodel.stages.sliders import has_sliders
+from valvemodel.stages.sliders import force_of_sliders, has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
     sliding_friction,
@@ -65,7 +64,7 @@ def begin_step(p, state, memory, time):
         stiffness += elastic_stiffness(p, state, side, limit, bending)
         memory.limits[0] = limit
         if has_sliders(p):
-            memory.slid[0] = side * resting_sliders(p, state, pressure, time)
+            memory.slid[0] = side * force_of_sliders(p, state)
         if p.bristle_damping > 0.0:
             damping += bristle_viscosity(p, bending)
     elif p.stribeck_ratio > 1.0:
