@@ -49,8 +49,15 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
 
 
 def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, float]]:
-    """Return the values of an effect in each of its other forms: with other numbers that no fit moves."""
-    held = {each.name: [float(start) for start in each.starts] for each in effect.parameters if not each.is_fitted}
+    """Return the values of an effect in each of its other forms: with other numbers that no fit moves.
+
+    What is read off the record stays as it is.
+    """
+    held = {
+        each.name: [values[each.name] if isinstance(start, str) else float(start) for start in each.starts]
+        for each in effect.parameters
+        if not each.is_fitted
+    }
     forms = [dict(zip(held, combination, strict=True)) for combination in product(*held.values())]
     lawful = [form for form in forms if not effect.laws or form in effect.laws]
     return [{**values, **form} for form in lawful if form.items() - values.items()]

@@ -279,6 +279,9 @@ def test_a_smooth_effect_beside_jumps_is_tried_in_its_other_forms():
     assert (again.effects, again.fit, again.is_global) == (best, seal.fit, True)
     assert proposals.in_other_forms([*tried, candidate(1.1, "gap_drift", "air_leak")]) == []
     assert proposals.in_other_forms([*tried, candidate(9.0, "gap_drift", "air_leak")]) == []
+    reading = candidate(9.0, "static_friction", "quantisation")
+    reading.fit.model.effects["quantisation"] = {"resolution": 5e-3, "resolution_offset": 1e-3}
+    assert proposals.in_other_forms([*tried, reading]) == []
 
 
 @pytest.mark.parametrize(("trace", "alone", "expected"), [(0.2, 30.0, 1), (3.0, 30.0, 0), (0.2, 1.05, 0)])
