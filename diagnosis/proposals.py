@@ -228,20 +228,21 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     return worthwhile(work, tried)
 
 
-def jumps_unseen(tried: Sequence[Candidate]) -> list[Work]:
-    """Return the best two effects of which one makes the stem jump, as work that searches for that one globally.
+def jumps_anew(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best two effects of which one makes the stem jump, as work that searches for that one thoroughly.
 
-    Where no stops are seen it was only followed down, and has gained by that what a wider search may gain more of.
+    It was searched for in haste, or only followed down where no stops are seen, and has gained by that what a wider
+    search may gain more of.
     """
     if any_explains(tried):
         return []
-    alone, values = alone_of(tried), values_alone(tried)
+    alone = alone_of(tried)
     work: list[Work] = []
     for pair in [each for each in best_of(tried, 2) if is_blunt(each)][:LEADERS]:
         for smooth, jumping in (pair.effects, pair.effects[::-1]):
-            gained = is_quick(smooth) and misfit(pair) < EXPLAINS_SOME * misfit(alone[smooth])
-            if gained and effect_of_key(jumping).breakaway and not stopping_on(alone[smooth].fit, values):
-                work.append(Work(alone[smooth].fit, (smooth, jumping), True))
+            gained = is_quick(smooth) and misfit(pair) < NO_GAIN * misfit(alone[smooth])
+            if gained and effect_of_key(jumping).breakaway:
+                work.append(Work(alone[smooth].fit, (smooth, jumping), True, is_thorough=True))
     return work
 
 
@@ -261,7 +262,7 @@ def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
 def with_jumps(alone: Sequence[Candidate], tried: Sequence[Candidate]) -> list[Work]:
     """Return what makes the stem jump of the best two effects, on top of others alone."""
     jumping = [key for key in best_of(tried, 2)[0].effects if effect_of_key(key).breakaway]
-    return [Work(each.fit, (*each.effects, key), True) for each in alone for key in jumping]
+    return [Work(each.fit, (*each.effects, key), True, is_thorough=True) for each in alone for key in jumping]
 
 
 def may_hide(key: str) -> bool:

@@ -85,6 +85,8 @@ class Work:
         What is known of the slips of stairs with it.
     follows_all : bool
         Whether every start is followed by itself.
+    is_thorough : bool
+        Whether a global search takes its time, whatever a run takes.
     """
 
     fit: Fit
@@ -97,6 +99,7 @@ class Work:
     promise: float = 0.0
     slips: list[SlipSearch] | None = None
     follows_all: bool = False
+    is_thorough: bool = False
 
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
@@ -118,6 +121,7 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
                 promise=work.promise,
                 slips=work.slips,
                 follows_all=work.follows_all,
+                is_thorough=work.is_thorough,
             )
         return scored(work.effects, extended, holdout)
 

@@ -25,6 +25,7 @@ from identification.screening import (
     residual_positions,
     resized,
     screened,
+    traded,
     withheld,
 )
 from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
@@ -92,6 +93,7 @@ def extend(
     promise: float = 0.0,
     slips: list[SlipSearch] | None = None,
     follows_all: bool = False,
+    is_thorough: bool = False,
 ) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
@@ -116,6 +118,8 @@ def extend(
         What `slips_by` found; None where it was not asked.
     follows_all : bool
         Whether every start is followed by itself, not the most promising of each form alone.
+    is_thorough : bool
+        Whether a global search takes its time beside other effects as well.
 
     Returns
     -------
@@ -129,13 +133,21 @@ def extend(
         begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
     if not begun:
         return extended(
-            fit, effect, known, kin, is_global=is_global, worth=worth, promise=promise, follows_all=follows_all
+            fit,
+            effect,
+            known,
+            kin,
+            is_global=is_global,
+            worth=worth,
+            promise=promise,
+            follows_all=follows_all,
+            is_thorough=is_thorough,
         )
     stepped = finished(*search_near(begun))
     if effect.is_chaotic or stepped.found.error < LAWFUL * stepped.problem.noise_error:
         return stepped
     # Breakaways of another law lie on no line.
-    return min(stepped, extended(fit, effect, known, kin), key=lambda each: each.found.error)
+    return min(stepped, extended(fit, effect, known, kin, is_thorough=is_thorough), key=lambda each: each.found.error)
 
 
 def extended(
@@ -148,6 +160,7 @@ def extended(
     worth: float = math.inf,
     promise: float = 0.0,
     follows_all: bool = False,
+    is_thorough: bool = False,
 ) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if fit.problem.is_in_steps:
@@ -159,8 +172,8 @@ def extended(
         return finished(*at_neutral(fit, effect))
     is_searched = effect.is_jagged and is_global and trials[0].gain > 0.0
     if is_searched and effect.stops_again:
-        groups = alike(effect, trials)
-        searched = [search_jagged(fit, effect, group) for group in (groups[:1] if effect.is_chaotic else groups)]
+        groups = alike(effect, trials)[: 1 if effect.is_chaotic else None]
+        searched = [search_jagged(fit, effect, group, is_thorough=is_thorough) for group in groups]
     else:
         apart = [[each] for each in trials] if follows_all else alike(effect, trials)
         groups = [trials] if effect.is_jagged else promising(fit, apart)
@@ -289,6 +302,7 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
+    starts += in_place_of_friction(fit, effect)
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -298,6 +312,15 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
         return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=(1, 1))
     first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
     return best_descended(starts, first=first, further=10, precision=1e-3)
+
+
+def in_place_of_friction(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
+    """Return the start of a lag for which a fit has too much viscous friction and mass, if it has."""
+    start = traded(fit, effect)
+    if start is None:
+        return []
+    values, move = start
+    return [joined(fit.problem, fit.found.point + move, effect, values)]
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
@@ -396,7 +419,7 @@ def adds_series(fit: Fit, trial: Trial) -> bool:
     return trial.problem.has_series and not fit.problem.has_series
 
 
-def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
+def search_jagged(fit: Fit, effect: Effect, trials: list[Trial], *, is_thorough: bool = False) -> tuple[Problem, Found]:
     """Search globally where the error has many minima.
 
     The fit's unknowns move along the principal directions of their Jacobian, each by up to twice what changes the
@@ -414,7 +437,7 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Proble
     yardsticks = [replace(problem, is_anchored=is_anchored) for is_anchored in (True, False)]
     found = []
     takes_long = effect.is_chaotic or fit.model.effects
-    size, generations = SHORT if takes_long else QUICK
+    size, generations = SHORT if takes_long and not is_thorough else QUICK
     promising = PROMISING * float(errors(replace(fit.problem, is_anchored=True), centre[None, :])[0])
     for each in yardsticks[:1] if effect.is_chaotic else yardsticks:
         effort = Effort(size=size, generations=generations, enough=problem.noise_error)

@@ -12,7 +12,16 @@ from threadpoolctl import threadpool_limits
 from identification.fit import Fit
 from identification.hints import begins_at_periods, starts_of
 from identification.problem import Problem
-from identification.screening import answered, beside_own, change_of, joined, residual_positions, resized, waves
+from identification.screening import (
+    answered,
+    beside_own,
+    change_of,
+    joined,
+    residual_positions,
+    resized,
+    traded,
+    waves,
+)
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -90,6 +99,9 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     tried = [(resized(effect, start, size), np.zeros(known)) for start in starts for size in (1.0, SMALLER)]
     if alone is not None:
         tried.append((dict(alone.model.effects[effect.key]), alone.found.point[:known] - fit.found.point))
+    in_place_of_friction = traded(fit, effect)
+    if in_place_of_friction is not None:
+        tried.append(in_place_of_friction)
     traces = []
     for values, move in tried:
         problem, point = joined(fit.problem, fit.found.point, effect, values)

@@ -33,6 +33,12 @@ SIZE, GENERATIONS = 8, 25
 SHRUNK = 0.1
 """Share of a start's size that is tried where the start itself leads away from the fit."""
 
+TOO_MUCH = 1.5
+"""Viscous friction of a fit, over that which was given, from which it may stand in for a lag."""
+
+LIVELY = {"viscous_friction": -0.4, "stem_mass": 0.3}
+"""Powers of e by which viscous friction and mass are off what was given in a stem that overshoots."""
+
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
 
@@ -225,6 +231,41 @@ def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:
         if unknown.name in fit.model.values:
             given[number] = 0.0
     return given
+
+
+def traded(fit: Fit, effect: Effect) -> tuple[dict[str, float], np.ndarray] | None:
+    """Return the start of an effect that lags which takes over what the base valve has too much of, and the move to it.
+
+    A fit without the lag has viscous friction and mass in its place: a lag of time T delays a stem as T k more viscous
+    friction does. From such a base valve a search ends beside a lag that is too short, and from one so sluggish that it
+    overshoots nowhere beside a mass that is too small: the start is `LIVELY`.
+
+    Returns
+    -------
+    values : dict
+        Of the effect's parameters; what is no lag is neutral. [SI]
+    move : array, shape (unknowns,)
+        By how much the fit's unknowns move with it, scaled: viscous friction and mass to about what was given.
+        None in place of both where the effect does not lag, or the fit has no such friction to spare.
+    """
+    lags = [each for each in effect.fitted if each.is_lag]
+    numbers = {unknown.name: number for number, unknown in enumerate(fit.unknowns)}
+    if not lags or not {"viscous_friction", "spring_rate"} <= numbers.keys():
+        return None
+    friction, stiffness = numbers["viscous_friction"], numbers["spring_rate"]
+    excess = fit.found.point[friction]
+    if excess < math.log(TOO_MUCH):
+        return None
+    unknown = fit.unknowns[friction]
+    rate = fit.unknowns[stiffness].value(fit.found.point[stiffness])
+    time = float((unknown.value(excess) - unknown.value(LIVELY["viscous_friction"])) / rate)
+    values = {each.name: each.neutral for each in effect.parameters}
+    values |= {each.name: min(max(time, each.low), each.high) for each in lags}
+    move = np.zeros(len(fit.found.point))
+    for name, number in numbers.items():
+        if name in LIVELY:
+            move[number] = LIVELY[name] - fit.found.point[number]
+    return values, move
 
 
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:

@@ -27,7 +27,8 @@ class Parameter:
     fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
     numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
     came later than its effect: a file that does not name it means its typical value. `acts_in_time` marks one that
-    a fit to settled loops keeps neutral, as their closed form is without it.
+    a fit to settled loops keeps neutral, as their closed form is without it. `is_lag` marks a time by which what passes
+    is delayed: a base valve without it has so much more viscous friction.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Parameter:
     is_higher: bool = False
     is_later: bool = False
     acts_in_time: bool = False
+    is_lag: bool = False
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name

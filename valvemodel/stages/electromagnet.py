@@ -140,7 +140,7 @@ EFFECTS = (
             "Analysis of Eddy Currents (1974)"
         ),
         parameters=(
-            Parameter("coil_time_constant", "s", "time constant of the coil", 0.0, 3.0, 0.0, (0.1, 0.5)),
+            Parameter("coil_time_constant", "s", "time constant of the coil", 0.0, 3.0, 0.0, (0.1, 0.5), is_lag=True),
             Parameter(
                 "eddy_time_constant",
                 "s",

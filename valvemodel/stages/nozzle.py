@@ -31,6 +31,7 @@ EFFECTS = (
                 10.0,
                 0.0,
                 (0.3, 1.5),
+                is_lag=True,
             ),
             Parameter(
                 "filling_growth",
@@ -62,8 +63,12 @@ EFFECTS = (
             "whose nozzle is open as the resting pressure P_s has it"
         ),
         parameters=(
-            Parameter("fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3)),
-            Parameter("vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02)),
+            Parameter(
+                "fill_time", "s", "time constant while the pressure rises", 0.0, 5.0, 0.0, (0.02, 0.3), is_lag=True
+            ),
+            Parameter(
+                "vent_time", "s", "time constant while the pressure falls", 0.0, 5.0, 0.0, (0.3, 0.02), is_lag=True
+            ),
             Parameter(
                 "filling_slowness",
                 "s/Pa",
@@ -180,7 +185,7 @@ EFFECTS = (
         equation=r"d\,T_d\,\dot P = P_b(t - T_d) - P",
         source="travel of a pressure wave along the tubing; its dispersion to first order",
         parameters=(
-            Parameter("transport_delay", "s", "T_d: dead time", 0.0, 3.0, 0.0, (0.08, 0.4)),
+            Parameter("transport_delay", "s", "T_d: dead time", 0.0, 3.0, 0.0, (0.08, 0.4), is_lag=True),
             Parameter(
                 "line_dispersion",
                 "1",

@@ -104,7 +104,7 @@ EFFECTS = (
         equation=r"T\,\dot q = z - q,\quad T_2\,\dot r = q - r",
         source="first-order transmitter, damping filter of first order in series",
         parameters=(
-            Parameter("sensor_time_constant", "s", "T: time constant", 0.0, 3.0, 0.0, (0.1, 0.5)),
+            Parameter("sensor_time_constant", "s", "T: time constant", 0.0, 3.0, 0.0, (0.1, 0.5), is_lag=True),
             Parameter(
                 "sensor_second_time_constant",
                 "s",
