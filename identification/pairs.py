@@ -102,14 +102,17 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     in_place_of_friction = traded(fit, effect)
     if in_place_of_friction is not None:
         tried.append(in_place_of_friction)
-    traces = []
+    traces: dict[bytes, Trace] = {}
     for values, move in tried:
         problem, point = joined(fit.problem, fit.found.point, effect, values)
         point[:known] += move
         change = change_of(problem.residuals(point[None, :])[0], left, basis)
         if float(change @ change) > NOTHING * float(left @ left):
-            traces.append(Trace(effect.key, values, move, change.astype(np.float32)))
-    return traces
+            # Laws that make no difference by themselves are one.
+            traces.setdefault(
+                point.tobytes() + change.tobytes(), Trace(effect.key, values, move, change.astype(np.float32))
+            )
+    return list(traces.values())
 
 
 def promising_pairs(fit: Fit, traces: Sequence[Trace], count: int) -> list[Pair]:

@@ -66,7 +66,9 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
         if fit.found.error > LITTLE_LEFT * fit.problem.noise_error and not fit.problem.has_series:
             starts.append(waves_together(fit, effect, starts[0], left, basis))
     trials = [promise(fit, effect, start, left, basis, triangle) for start in [*starts, *([known] if known else [])]]
-    return sorted(trials, key=lambda trial: -trial.gain)
+    # Laws that make no difference beside the fit's effects are one.
+    unlike = {(trial.gain, trial.point.tobytes()): trial for trial in reversed(trials)}
+    return sorted(reversed(unlike.values()), key=lambda trial: -trial.gain)
 
 
 def waves(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.extension import extend
-from identification.screening import traded
+from identification.extension import extend, extend_from
+from identification.pairs import traces_of
+from identification.screening import screened, traded
 from identification.search import Found
 from identification.unknowns import Unknown
 from valvemodel.effects import effect_of_key
@@ -85,3 +86,27 @@ def test_only_too_much_friction_stands_in_for_a_lag_and_only_for_one():
         # It overshoots.
         assert valve["rate"] == 0.0
         assert 600.0 * math.exp(valve["friction"]) < 2.0 * math.sqrt(rate * 1.4 * math.exp(valve["mass"]))
+
+
+def test_a_flux_that_lags_behind_its_core_is_told_from_a_current_that_lags_before_it(tmp_path):
+    _, base = base_of_plant(
+        1311547896, ("magnetic_hysteresis", "coil_lag"), tmp_path, profile=1932089513, nuisance=True
+    )
+    found = extend(extend(base, "magnetic_hysteresis"), "coil_lag")
+    assert found.found.error < 1.05 * found.problem.noise_error
+    assert found.model.effects["coil_lag"]["lag_behind_core"] == 1.0
+    first = extend_from(
+        extend(base, "magnetic_hysteresis"),
+        "coil_lag",
+        {"coil_time_constant": 0.04, "eddy_time_constant": 0.0, "lag_behind_core": 0.0},
+    )
+    assert first.found.error > 3.0 * first.problem.noise_error
+
+
+def test_without_a_core_that_bends_a_lag_has_one_order(tmp_path):
+    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+    lag = effect_of_key("coil_lag")
+    orders = [trial.problem.model.effects["coil_lag"]["lag_behind_core"] for trial in screened(base, lag)]
+    assert orders == [0.0] * len(orders)
+    assert len(orders) == 4
+    assert {trace.values["lag_behind_core"] for trace in traces_of(base, lag)} == {0.0}

@@ -25,6 +25,10 @@ def half_widths() -> list[float]:
 HALF_WIDTHS = half_widths()
 
 
+Core = tuple[float, float, list[float]]
+"""The magnetising current [A], where in its loop the core is, and the plays [A]."""
+
+
 class Electromagnet:
     """Coil, core and flapper; a current is held from one call of `hold` to the next."""
 
@@ -32,21 +36,27 @@ class Electromagnet:
         self.numbers = numbers
         # Two lags in series may stand in either order.
         self.shorter, self.longer = sorted((numbers.coil_time_constant, numbers.eddy_time_constant))
-        self.lagged = self.flux = self.held = current
         self.turn = inf
         self.magnetised = saturated(numbers, current)
         self.loop = 0.0
         self.plays = [self.magnetised] * PLAYS
+        # What the lags follow: the current, or what the core makes of it at once.
+        self.is_behind = numbers.lag_behind_core > 0.0
+        self.lagged = self.flux = self.held = self.magnetised if self.is_behind else current
 
     def hold(self, current: float) -> None:
         """Switch to a current."""
         self.held = current
+        if self.is_behind:
+            core = self.core_at(current)
+            self.held = self.behind_loop(*core)
+            self.magnetised, self.loop, self.plays = core
         self.turn = self.turning_instant()
 
     def turning_instant(self) -> float:
         """Return when the flux turns while the current is held, behind the second lag; never if it need not. [s]"""
         ahead = self.lagged - self.flux
-        if self.shorter == 0.0 or ahead * (self.held - self.lagged) >= 0.0:
+        if self.is_behind or self.shorter == 0.0 or ahead * (self.held - self.lagged) >= 0.0:
             return inf
         return first_instant(
             lambda instant: ahead * (self.lagged_after(instant) - self.flux_after(instant)) <= 0.0, 1e3
@@ -66,14 +76,21 @@ class Electromagnet:
         dying = (self.flux - self.held) * exp(-duration / self.shorter) if self.shorter > 0.0 else 0.0
         return self.held + dying + began
 
-    def core_after(self, duration: float) -> tuple[float, float, list[float]]:
+    def core_after(self, duration: float) -> Core:
         """Return the magnetising current [A], where in its loop the core is, and the plays [A], past a turn or not."""
         core = self.magnetised, self.loop, self.plays
+        if self.is_behind:
+            return core
         for instant in (self.turn, duration):
             if instant <= duration:
-                magnetising = saturated(self.numbers, self.flux_after(instant))
-                core = magnetising, self.loop_after(magnetising, *core[:2]), self.plays_after(magnetising, core[2])
+                core = self.core_at(self.flux_after(instant), core)
         return core
+
+    def core_at(self, current: float, core: Core | None = None) -> Core:
+        """Return the same after the current has gone one way to another, from where the core is or was. [A]"""
+        before, loop, plays = core or (self.magnetised, self.loop, self.plays)
+        magnetising = saturated(self.numbers, current)
+        return magnetising, self.loop_after(magnetising, before, loop), self.plays_after(magnetising, plays)
 
     def loop_after(self, magnetising: float, before: float, loop: float) -> float:
         """Return where in its loop the core is, -1..1, after a magnetising current before and where it was then.
@@ -105,9 +122,12 @@ class Electromagnet:
         ]
 
     def current_after(self, duration: float) -> float:
-        """Return the effective current: lagged, saturated, behind Dahl's curve or behind the mean of the plays. [A]"""
+        """Return the effective current: lagged, saturated, behind the loop; or lagged behind that. [A]"""
+        return self.flux_after(duration) if self.is_behind else self.behind_loop(*self.core_after(duration))
+
+    def behind_loop(self, magnetising: float, loop: float, plays: list[float]) -> float:
+        """Return the current behind Dahl's curve, or behind the mean of the plays. [A]"""
         n = self.numbers
-        magnetising, loop, plays = self.core_after(duration)
         behind = n.hysteresis_half_width * loop
         behind_plays = magnetising - sum(plays) / PLAYS
         return magnetising - behind + n.return_point_memory * (behind - behind_plays / (1.0 + n.hysteresis_roundness))

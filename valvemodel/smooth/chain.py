@@ -88,6 +88,7 @@ class SmoothChain:
         self.filters = model.numbers.get("sensor_second_time_constant", 0.0) > 0.0
         self.smears = model.numbers.get("line_dispersion", 0.0) > 0.0
         self.wears = model.numbers.get("backlash_wear", 0.0) > 0.0
+        self.lags_behind_core = model.numbers.get("lag_behind_core", 0.0) > 0.0
         self.saturates_as_tanh = model.numbers.get("saturation_law", 0.0) > 0.0
         self.leaks_gas = model.numbers.get("leak_chokes", 0.0) > 0.0
         self.turns = model.numbers.get("linkage_arm", 0.0) > 0.0 and model.numbers["linkage_skew"] != 0.0
@@ -120,7 +121,11 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects, p.remembers, p.slides = self.effects, self.remembers, self.slides
-        p.has_eddies, p.saturates_as_tanh = self.has_eddies, self.saturates_as_tanh
+        p.has_eddies, p.lags_behind_core, p.saturates_as_tanh = (
+            self.has_eddies,
+            self.lags_behind_core,
+            self.saturates_as_tanh,
+        )
         p.leaks_gas = self.leaks_gas
         p.filters, p.smears, p.wears, p.turns = self.filters, self.smears, self.wears, self.turns
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0

@@ -35,9 +35,9 @@ def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
     """Put the stage at rest under a current, in the middle of its hysteresis loop, and return that current. [A]"""
     effective = saturate(p, current) if "magnetic_saturation" in p.effects else current
     if "coil_lag" in p.effects:
-        x.flux_current = current
+        x.flux_current = effective if p.lags_behind_core else current
         if p.has_eddies:
-            x.less_lagged_flux = current
+            x.less_lagged_flux = x.flux_current
     if "magnetic_hysteresis" in p.effects:
         x.hysteresis_input, x.hysteresis = effective, 0.0
     for name in PLAY_STATES if p.remembers else ():
@@ -47,6 +47,13 @@ def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
 
 def advance_flux(p: Any, x: Any, current: Expression, duration: Expression) -> Expression:
     """Hold the current for a duration and return the mean current that the flux stands for. [A]"""
+    if p.lags_behind_core:
+        return lag(p, x, pass_core(p, x, current), duration)
+    return pass_core(p, x, lag(p, x, current, duration))
+
+
+def lag(p: Any, x: Any, current: Expression, duration: Expression) -> Expression:
+    """Let the flux lag a held current for a duration and return its mean. [A]"""
     if "coil_lag" in p.effects:
         longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant, has_both=p.has_eddies)
         x.flux_current, flux = lag_behind(x.flux_current, current, duration, longer)
@@ -54,6 +61,11 @@ def advance_flux(p: Any, x: Any, current: Expression, duration: Expression) -> E
             x.less_lagged_flux, less_lagged = lag_behind(x.less_lagged_flux, current, duration, shorter)
             flux = in_series(longer, shorter, flux, less_lagged)
         current = flux
+    return current
+
+
+def pass_core(p: Any, x: Any, current: Expression) -> Expression:
+    """Return what the core makes of a current. [A]"""
     if "magnetic_saturation" in p.effects:
         current = saturate(p, current)
     if "magnetic_hysteresis" in p.effects:

@@ -134,7 +134,10 @@ EFFECTS = (
         stage="electromagnet",
         title="coil lag",
         meaning="the inductance delays the current, and eddy currents in a solid core delay the flux behind it",
-        equation=r"\tau\,di_1/dt = i - i_1,\quad \tau_e\,di_e/dt = i_1 - i_e",
+        equation=(
+            r"\tau\,di_1/dt = i - i_1,\quad \tau_e\,di_e/dt = i_1 - i_e,"
+            r"\quad\text{before the core bends the current or behind it}"
+        ),
         source=(
             "eq. (17) with the resistance kept; the eddy currents of a solid core by their slowest mode: Stoll, The "
             "Analysis of Eddy Currents (1974)"
@@ -150,6 +153,10 @@ EFFECTS = (
                 0.0,
                 (0.0, 0.03),
                 is_later=True,
+            ),
+            choice_of_law(
+                "lag_behind_core",
+                "0: the current lags, and saturation and loop follow it; 1: they are of the current, and the flux lags",
             ),
         ),
         aliases=("sensor_lag", "chamber_filling", "transport_delay", "asymmetric_filling"),
@@ -184,12 +191,13 @@ def has_coil_lag(p):
 
 @inlined
 def flux_departs(p, state, current):
-    """Return by how much the flux, or the current behind the longer of two lags, departs from the current held. [A]"""
-    departure = abs(state.flux_current - current)
+    """Return by how much the flux, or the current behind the longer of two lags, departs from what it follows. [A]"""
+    aim = followed_by_lags(p, state, current)
+    departure = abs(state.flux_current - aim)
     longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant)
     if shorter > 0.0:
         flux = in_series(longer, shorter, state.flux_current, state.less_lagged_flux)
-        departure = max(departure, abs(flux - current))
+        departure = max(departure, abs(flux - aim))
     return departure
 
 
@@ -231,6 +239,12 @@ def advance_flux(p, state, current):
 
 
 @inlined
+def followed_by_lags(p, state, current):
+    """Return what the lags follow under a held current: that, or what the core made of it when it was switched. [A]"""
+    return advance_flux(p, state, current) if p.lag_behind_core > 0.0 else current
+
+
+@inlined
 def reach_of_loop(p):
     """Return the change of the current over which the curve forgets: none is flatter than flat after a reversal. [A]"""
     return 2.0 * p.hysteresis_half_width * (1.0 - p.bouc_wen_gamma) * (1.0 + p.hysteresis_roundness)
@@ -268,8 +282,10 @@ def lay_currents(p, state, memory, current, spacing, count):
 
     Return where they have a kink, in spacings.
     """
+    current = followed_by_lags(p, state, current)
     lag, shorter_lag, flux, less_lagged = memory.lags[3], memory.lags[6], current, current
-    memory.end_hysteresis = state.hysteresis
+    memory.end_input, memory.end_hysteresis = state.hysteresis_input, state.hysteresis
+    has_core = p.lag_behind_core == 0.0
     longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant)
     if longer > 0.0:
         remember_lag(lag, 1.0 / longer, spacing, count)
@@ -282,14 +298,16 @@ def lay_currents(p, state, memory, current, spacing, count):
         if shorter > 0.0:
             less_lagged = current + (state.less_lagged_flux - current) * shorter_lag.decay[node]
             acting = in_series(longer, shorter, flux, less_lagged)
-        effective = saturate(p, acting)
-        memory.values[node] = memory.end_input = effective
-        if p.hysteresis_half_width > 0.0 and effective != state.hysteresis_input:
-            memory.end_hysteresis = hysteresis_after(p, state, effective - state.hysteresis_input)
-        effective -= p.hysteresis_half_width * memory.end_hysteresis
+        effective = acting
+        if has_core:
+            effective = saturate(p, acting)
+            memory.values[node] = memory.end_input = effective
+            if p.hysteresis_half_width > 0.0 and effective != state.hysteresis_input:
+                memory.end_hysteresis = hysteresis_after(p, state, effective - state.hysteresis_input)
+            effective -= p.hysteresis_half_width * memory.end_hysteresis
         memory.currents[node] = effective
     memory.end_flux, memory.end_less_lagged_flux = flux, less_lagged
-    if p.hysteresis_half_width == 0.0:
+    if p.hysteresis_half_width == 0.0 or not has_core:
         return math.inf
     end = lay_plays(p, state, memory, count) if p.return_point_memory > 0.0 else middle_of_loop(p, state, memory, count)
     return min(end, turn_of_flux(longer, shorter, state, current, spacing * count) / spacing)
@@ -348,10 +366,10 @@ def gap_of_current(p, current, time):
 @compiled
 def rest_electromagnet(p, state, current):
     """Put the stage at rest under a current, in the middle of its hysteresis loop."""
-    state.flux_current = state.less_lagged_flux = current
     state.hysteresis_input = saturate(p, current)
     state.hysteresis = 0.0
     state.plays[:] = state.hysteresis_input
+    state.flux_current = state.less_lagged_flux = followed_by_lags(p, state, current)
 
 
 coil_gap = inlined(numeric.coil_gap)

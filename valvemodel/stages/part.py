@@ -13,6 +13,7 @@ from valvemodel.stages.electromagnet import (
     accept_currents,
     advance_flux,
     flux_departs,
+    followed_by_lags,
     gap_of_current,
     has_coil_lag,
     lay_currents,
@@ -180,7 +181,7 @@ def end_part(p, state, memory, drive, length, tolerance):
     state.pressure = memory.pressures[count]
     state.rest_drive = math.nan
     if is_near:
-        state.flux_current = state.less_lagged_flux = drive
+        state.flux_current = state.less_lagged_flux = followed_by_lags(p, state, drive)
         effective = advance_flux(p, state, drive)
         rest_nozzle(p, state, gap_of_current(p, effective, 0.0), effective)
         state.rest_drive = drive
