@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -236,14 +236,39 @@ def jumps_anew(tried: Sequence[Candidate]) -> list[Work]:
     """
     if any_explains(tried):
         return []
+    alone, pairs = alone_of(tried), [each for each in best_of(tried, 2) if is_blunt(each)][:LEADERS]
+    return [
+        Work(alone[other].fit, (other, jumping), True, is_thorough=True)
+        for pair in pairs
+        for other, jumping in jumps_that_gained(pair, alone)
+    ]
+
+
+def other_laws(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best two effects of which one makes the stem jump, with that one exchanged for another law.
+
+    A search for a law beside another effect is long: the one that was found leads it to the valve.
+    """
+    if any_explains(tried):
+        return []
     alone = alone_of(tried)
-    work: list[Work] = []
-    for pair in [each for each in best_of(tried, 2) if is_blunt(each)][:LEADERS]:
-        for smooth, jumping in (pair.effects, pair.effects[::-1]):
-            gained = is_quick(smooth) and misfit(pair) < NO_GAIN * misfit(alone[smooth])
-            if gained and effect_of_key(jumping).breakaway:
-                work.append(Work(alone[smooth].fit, (smooth, jumping), True, is_thorough=True))
-    return work
+    laws = [key for key in alone if effect_of_key(key).breakaway]
+    return [
+        Work(alone[other].fit, (other, law), True, kin=pair.fit)
+        for pair in best_of(tried, 2)[:LEADERS]
+        for other, _ in jumps_that_gained(pair, alone)
+        for law in laws
+        if law not in pair.effects
+    ]
+
+
+def jumps_that_gained(pair: Candidate, alone: Mapping[str, Candidate]) -> Iterator[tuple[str, str]]:
+    """Yield the other of two effects and the one that makes the stem jump, if it gains over the other alone."""
+    for other, jumping in (pair.effects, pair.effects[::-1]):
+        first = effect_of_key(other)
+        is_beside = effect_of_key(jumping).breakaway and not first.breakaway and not first.takes_long
+        if is_beside and other in alone and misfit(pair) < NO_GAIN * misfit(alone[other]):
+            yield other, jumping
 
 
 def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:

@@ -22,6 +22,7 @@ from diagnosis.proposals import (
     left_alone,
     on_what_explains,
     on_what_stays,
+    other_laws,
     reversed_pairs,
     with_jumps,
 )
@@ -185,6 +186,7 @@ def with_kindred(
     known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
     known = with_better(known, try_all(jumps_anew(known), holdout, pool, progress, "2 effects together"))
+    known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
     alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
     known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
     for choice in (best_of(known, 2), aliases_of_best(known)):

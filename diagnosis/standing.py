@@ -118,8 +118,14 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     return [
         each
         for each in near
-        if (each.fit.problem.is_in_steps and misfit(each) > 1.0) or (is_blunt(each) and not explains(each, base))
+        if (each.fit.problem.is_in_steps and misfit(each) > 1.0)
+        or ((is_blunt(each) or loses_phase(each)) and not explains(each, base))
     ]
+
+
+def loses_phase(candidate: Candidate) -> bool:
+    """Return whether one of several effects of a cause lets a free run lose the phase of its slips."""
+    return len(candidate.effects) > 1 and any(effect_of_key(key).is_chaotic for key in candidate.effects)
 
 
 def is_blunt(candidate: Candidate) -> bool:

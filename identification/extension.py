@@ -58,8 +58,9 @@ PROMISING = 0.9
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
 
-FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED = 6, 8, 5
-"""Points of a search while starts are compared, where the error has more minima, and where each has its own slopes."""
+FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED, FIRST_LOOK_AT_LAWS = 6, 8, 5, 25
+"""Points of a search while starts are compared, where the error has more minima, where each has its own slopes, and
+where laws of stick-slip are compared beside another effect."""
 
 CLOSE = 1.5
 """Error over the best one's up to which another form of an effect is followed to its end as well."""
@@ -73,8 +74,9 @@ WORTH_LONG = 0.02
 SERIES_GAIN = 1.2
 """Promise of a whole series, over that of its first wave, above which it is followed."""
 
-WORTH_FOLLOWING = 0.3
-"""Share of a fit's error below which a kindred effect must have come for its base valve to be the start."""
+WORTH_FOLLOWING, WORTH_FOLLOWING_BESIDE = 0.3, 0.9
+"""Share of a fit's error below which a kindred effect must have come for its base valve to be the start; and beside
+another effect, where a global search ends nowhere exact."""
 
 
 EXPLAINED = 0.8
@@ -165,7 +167,8 @@ def extended(
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if fit.problem.is_in_steps:
         return beside_steps(fit, effect, known, is_global=is_global, promise=promise, follows_all=follows_all)
-    if kin is not None and kin.found.error < WORTH_FOLLOWING * fit.found.error:
+    worth_following = WORTH_FOLLOWING_BESIDE if fit.model.effects else WORTH_FOLLOWING
+    if kin is not None and kin.found.error < worth_following * fit.found.error:
         return finished(*beside(fit, effect, kin, known))
     trials = screened(fit, effect, known)
     if trials[0].gain < max(promise, WORTH_LONG if effect.takes_long else 0.0) * 2.0 * fit.found.error:
@@ -354,12 +357,32 @@ def neutral_in(effect: Effect, trial: Trial) -> frozenset[str]:
 
 
 def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = None) -> tuple[Problem, Found]:
-    """Follow the best starts of an effect down from the base valve that was fitted with a kindred one."""
+    """Follow the best starts of an effect down from the base valve that was fitted with a kindred one.
+
+    Beside another effect a law of stick-slip starts from where the stem breaks away by the kindred law, and all starts
+    are followed far: which comes nearest shows late.
+    """
     valve = kin.found.point[: len(fit.unknowns)]
     starts = [*starts_of(effect, list(fit.problem.experiments), residual_positions(fit)), *([known] if known else [])]
+    ratio = breakaway_of(kin) if effect.breakaway and fit.model.effects else None
+    if ratio is not None:
+        at_ratio = [{**start, effect.breakaway: ratio} for start in starts]
+        unlike = {tuple(start.values()): start for start in at_ratio}.values()
+        begun = [joined(fit.problem, valve, effect, start) for start in unlike]
+        return best_descended(begun, first=FIRST_LOOK_AT_LAWS, further=15, precision=1e-4)
     begun = [joined(fit.problem, valve, effect, start) for start in starts]
     begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
     return best_descended(begun[:KEPT_STARTS], first=8, further=15, precision=1e-4)
+
+
+def breakaway_of(fit: Fit) -> float | None:
+    """Return the breakaway force of a fit over Coulomb friction; None where no effect sets it."""
+    ratios = [
+        values[effect_of_key(key).breakaway]
+        for key, values in fit.model.effects.items()
+        if effect_of_key(key).breakaway
+    ]
+    return ratios[0] if ratios else None
 
 
 def best_descended(

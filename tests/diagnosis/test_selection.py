@@ -266,6 +266,24 @@ def test_jumps_that_gained_are_searched_for_thoroughly(left, known, is_searched)
     assert all(each.fit is tried[1].fit for each in work)
 
 
+@pytest.mark.parametrize(("left", "known", "is_tried"), [(60.0, 99.0, True), (140.0, 99.0, False), (60.0, 1.1, False)])
+def test_a_law_that_gained_beside_another_effect_leads_another_law_there(left, known, is_tried):
+    """A tight spot beside static friction had come to 8.6 of the noise, and beside the true law nowhere near it."""
+    spot, pair = "position_dependent_friction", ("position_dependent_friction", "static_friction")
+    tried = [candidate(230.0), candidate(150.0, spot), candidate(216.0, "static_friction"), candidate(90.0, "stribeck")]
+    tried += [candidate(known, "coil_lag"), candidate(left, *pair)]
+    work = proposals.other_laws(tried)
+    assert [(each.effects, each.is_global) for each in work] == [((spot, "stribeck"), True)] * is_tried
+    assert all(each.fit is tried[1].fit and each.kin is tried[-1].fit for each in work)
+
+
+def test_two_effects_whose_free_run_loses_the_phase_are_searched_about_where_they_leave_much():
+    base, pair, far = candidate(90.0), candidate(8.0, "end_stop", "stribeck"), candidate(20.0, "air_leak", "stribeck")
+    assert blunt([pair, far], base) == [pair]
+    assert blunt([candidate(1.1, "end_stop", "stribeck")], base) == []
+    assert blunt([candidate(8.0, "stribeck")], base) == []
+
+
 def test_a_smooth_effect_beside_jumps_is_tried_in_its_other_forms():
     """Alone the seal's friction by the square of the pressure had come as near as that by the pressure."""
     seal, best = candidate(150.0, "pressure_dependent_friction"), ("pressure_dependent_friction", "static_friction")
