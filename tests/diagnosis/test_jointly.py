@@ -23,7 +23,9 @@ QUIET = lambda what, share: None  # noqa: E731
 def problem(**held: float) -> SimpleNamespace:
     """Return a problem with a saturation in a form, beside a lag."""
     values = {"saturation_slope": 0.0, "saturation_reach": 0.0, "saturation_law": 0.0} | held
-    return SimpleNamespace(model=SimpleNamespace(effects={"magnetic_saturation": values, "coil_lag": {}}))
+    return SimpleNamespace(
+        model=SimpleNamespace(effects={"magnetic_saturation": values, "coil_lag": {"lag_behind_core": 0.0}})
+    )
 
 
 def test_few_starts_of_the_same_form_go_on():

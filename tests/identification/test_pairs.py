@@ -52,7 +52,8 @@ def test_two_traces_of_one_effect_are_no_pair_and_few_forms_of_a_pair_are_kept()
     forms = [{"saturation_slope": slope, "saturation_reach": reach} for slope in (0.0, 0.7) for reach in (0.0, 0.05)]
     knee = trace("magnetic_saturation", [-1.0, 0.0])
     bent = [Trace(knee.key, knee.values | form, knee.move, knee.change) for form in forms]
-    lags = [{"coil_time_constant": value, "eddy_time_constant": 0.0} for value in (0.0, 0.1)]
+    lag = {"eddy_time_constant": 0.0, "lag_behind_core": 0.0}
+    lags = [{"coil_time_constant": value, **lag} for value in (0.0, 0.1)]
     unlike = [Trace(LAG, lag, knee.move, traces[0].change) for lag in lags]
     found = promising_pairs(fit_that_leaves(1.0, 1.0), [*bent, *unlike, traces[-1]], 99)
     counts = [sum(set(each.keys) == {knee.key, DRIFT} for each in found)]
