@@ -305,7 +305,7 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
-    starts += in_place_of_friction(fit, effect)
+    starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -315,15 +315,6 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
         return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=(1, 1))
     first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
     return best_descended(starts, first=first, further=10, precision=1e-3)
-
-
-def in_place_of_friction(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
-    """Return the start of a lag for which a fit has too much viscous friction and mass, if it has."""
-    start = traded(fit, effect)
-    if start is None:
-        return []
-    values, move = start
-    return [joined(fit.problem, fit.found.point + move, effect, values)]
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
@@ -367,22 +358,18 @@ def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = 
     ratio = breakaway_of(kin) if effect.breakaway and fit.model.effects else None
     if ratio is not None:
         at_ratio = [{**start, effect.breakaway: ratio} for start in starts]
-        unlike = {tuple(start.values()): start for start in at_ratio}.values()
-        begun = [joined(fit.problem, valve, effect, start) for start in unlike]
-        return best_descended(begun, first=FIRST_LOOK_AT_LAWS, further=15, precision=1e-4)
+        starts = list({tuple(start.values()): start for start in at_ratio}.values())
     begun = [joined(fit.problem, valve, effect, start) for start in starts]
+    if ratio is not None:
+        return best_descended(begun, first=FIRST_LOOK_AT_LAWS, further=15, precision=1e-4)
     begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
     return best_descended(begun[:KEPT_STARTS], first=8, further=15, precision=1e-4)
 
 
 def breakaway_of(fit: Fit) -> float | None:
     """Return the breakaway force of a fit over Coulomb friction; None where no effect sets it."""
-    ratios = [
-        values[effect_of_key(key).breakaway]
-        for key, values in fit.model.effects.items()
-        if effect_of_key(key).breakaway
-    ]
-    return ratios[0] if ratios else None
+    names = {key: effect_of_key(key).breakaway for key in fit.model.effects}
+    return next((fit.model.effects[key][name] for key, name in names.items() if name), None)
 
 
 def best_descended(

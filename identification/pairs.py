@@ -99,19 +99,16 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     tried = [(resized(effect, start, size), np.zeros(known)) for start in starts for size in (1.0, SMALLER)]
     if alone is not None:
         tried.append((dict(alone.model.effects[effect.key]), alone.found.point[:known] - fit.found.point))
-    in_place_of_friction = traded(fit, effect)
-    if in_place_of_friction is not None:
-        tried.append(in_place_of_friction)
-    traces: dict[bytes, Trace] = {}
+    tried += traded(fit, effect)
+    traces: dict[tuple[float, bytes], Trace] = {}
     for values, move in tried:
         problem, point = joined(fit.problem, fit.found.point, effect, values)
         point[:known] += move
         change = change_of(problem.residuals(point[None, :])[0], left, basis)
-        if float(change @ change) > NOTHING * float(left @ left):
+        size = float(change @ change)
+        if size > NOTHING * float(left @ left):
             # Laws that make no difference by themselves are one.
-            traces.setdefault(
-                point.tobytes() + change.tobytes(), Trace(effect.key, values, move, change.astype(np.float32))
-            )
+            traces.setdefault((size, point.tobytes()), Trace(effect.key, values, move, change.astype(np.float32)))
     return list(traces.values())
 
 

@@ -235,7 +235,7 @@ def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:
     return given
 
 
-def traded(fit: Fit, effect: Effect) -> tuple[dict[str, float], np.ndarray] | None:
+def traded(fit: Fit, effect: Effect) -> list[tuple[dict[str, float], np.ndarray]]:
     """Return the start of an effect that lags which takes over what the base valve has too much of, and the move to it.
 
     A fit without the lag has viscous friction and mass in its place: a lag of time T delays a stem as T k more viscous
@@ -244,20 +244,19 @@ def traded(fit: Fit, effect: Effect) -> tuple[dict[str, float], np.ndarray] | No
 
     Returns
     -------
-    values : dict
-        Of the effect's parameters; what is no lag is neutral. [SI]
-    move : array, shape (unknowns,)
-        By how much the fit's unknowns move with it, scaled: viscous friction and mass to about what was given.
-        None in place of both where the effect does not lag, or the fit has no such friction to spare.
+    list of (values, move)
+        Values of the effect's parameters, of which what is no lag is neutral [SI]; and by how much the fit's unknowns
+        move with it, scaled, shape (unknowns,): viscous friction and mass to about what was given. Empty where the
+        effect does not lag, or the fit has no such friction to spare.
     """
     lags = [each for each in effect.fitted if each.is_lag]
     numbers = {unknown.name: number for number, unknown in enumerate(fit.unknowns)}
     if not lags or not {"viscous_friction", "spring_rate"} <= numbers.keys():
-        return None
+        return []
     friction, stiffness = numbers["viscous_friction"], numbers["spring_rate"]
     excess = fit.found.point[friction]
     if excess < math.log(TOO_MUCH):
-        return None
+        return []
     unknown = fit.unknowns[friction]
     rate = fit.unknowns[stiffness].value(fit.found.point[stiffness])
     time = float((unknown.value(excess) - unknown.value(LIVELY["viscous_friction"])) / rate)
@@ -267,7 +266,7 @@ def traded(fit: Fit, effect: Effect) -> tuple[dict[str, float], np.ndarray] | No
     for name, number in numbers.items():
         if name in LIVELY:
             move[number] = LIVELY[name] - fit.found.point[number]
-    return values, move
+    return [(values, move)]
 
 
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:

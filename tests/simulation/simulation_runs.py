@@ -7,6 +7,8 @@ import numpy as np
 from valvemodel import chain, runs
 from valvemodel.model import Model
 from valvemodel.parameters import MEMORY, STATE
+from valvemodel.simulation import simulate
+from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
 from valvemodel.stages import EFFECTS
 from valvemodel.stepping import SteppedValve
 from valvemodel.trajectory import TOLERANCE
@@ -38,6 +40,32 @@ def with_effects(model: Model, *keys: str) -> Model:
     for key in keys:
         model = model.with_effect(key, **NEEDED.get(key, {}))
     return model
+
+
+def with_values(model: Model, **effects: dict[str, float]) -> Model:
+    """The model with effects at some values."""
+    for key, values in effects.items():
+        model = model.with_effect(key, **values)
+    return model
+
+
+def flux_current(current: np.ndarray, **effects: dict[str, float]) -> np.ndarray:
+    """Current that the flux stands for at the end of each period, by a valve with pressures proportional to it. [A]"""
+    valve = read_valve("linear")
+    model = with_values(Model(valve.name, valve.values), **effects)
+    time = 0.02 * np.arange(len(current) + 1)
+    pressure = simulate(model, time=time, current=np.append(current, current[-1])).pressure[1:]
+    return (pressure - valve.values["pressure_at_zero_current"]) / valve.values["pressure_per_current"]
+
+
+def off_the_exact_run(model: Model, time: np.ndarray, current: np.ndarray) -> list[float]:
+    """Standard deviation of the smooth chain from the exact run at a wide and a narrow smoothing. [m]"""
+    exact = simulate(model, time=time, current=current, start_position=0.02).position
+    chain = SmoothChain(model, parts=parts_for(model, 0.01))
+    return [
+        float(np.std(run_smooth(chain, time=time, current=current, start_position=0.02, width=width) - exact))
+        for width in (30.0, 0.01)
+    ]
 
 
 def stepped_readings(model: Model, time: np.ndarray, current: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numba
 import numpy as np
 import pytest
-from simulation_runs import base_model, ramps_and_steps, run
+from simulation_runs import base_model, flux_current, off_the_exact_run, ramps_and_steps, run
 
 from diagnosis.blindtest.chain.electromagnet import _plays
 from diagnosis.blindtest.chain.sensor import SPAN, _arm
@@ -18,10 +18,8 @@ from valvemodel.linear.sensor import reading_slope
 from valvemodel.model import Model
 from valvemodel.reference import simulate_slowly
 from valvemodel.simulation import simulate
-from valvemodel.smooth.chain import SmoothChain, parts_for, run_smooth
 from valvemodel.stages import amplifier
 from valvemodel.stages.bow import bow, bow_slope, unbow
-from valvemodel.valves import read_valve
 
 BASE = base_model()
 ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
@@ -88,25 +86,15 @@ def test_the_law_in_plain_python(key, other):
 @pytest.mark.parametrize("key", LAWS)
 def test_the_smooth_law_converges_to_the_exact_one(key):
     time, current = ramps_and_steps(seconds=16.0, rate=100.0)
-    model = with_law(key)
-    exact = simulate(model, time=time, current=current, start_position=0.02).position
-    chain = SmoothChain(model, parts=parts_for(model, 0.01))
-    off = [
-        np.std(run_smooth(chain, time=time, current=current, start_position=0.02, width=width) - exact)
-        for width in (30.0, 0.01)
-    ]
+    off = off_the_exact_run(with_law(key), time, current)
     assert off[0] < 3e-3
     # A part takes the pressure as its mean.
     assert off[1] < (5e-5 if key in INTEGRATED else 1e-6)
 
 
 def effective_current(current: np.ndarray, **values: float) -> np.ndarray:
-    """Current that the flux stands for, by a valve whose pressure is proportional to it. [A]"""
-    valve = read_valve("linear")
-    model = Model(valve.name, valve.values).with_effect("magnetic_hysteresis", **values)
-    time = 0.02 * np.arange(len(current) + 1)
-    pressure = simulate(model, time=time, current=np.append(current, current[-1])).pressure[1:]
-    return (pressure - valve.values["pressure_at_zero_current"]) / valve.values["pressure_per_current"]
+    """Current that the flux stands for behind a hysteresis loop. [A]"""
+    return flux_current(current, magnetic_hysteresis=values)
 
 
 def stroke(*turns: float) -> np.ndarray:

@@ -37,20 +37,18 @@ class Electromagnet:
         # Two lags in series may stand in either order.
         self.shorter, self.longer = sorted((numbers.coil_time_constant, numbers.eddy_time_constant))
         self.turn = inf
-        self.magnetised = saturated(numbers, current)
-        self.loop = 0.0
-        self.plays = [self.magnetised] * PLAYS
+        magnetised = saturated(numbers, current)
+        self.core: Core = (magnetised, 0.0, [magnetised] * PLAYS)
         # What the lags follow: the current, or what the core makes of it at once.
         self.is_behind = numbers.lag_behind_core > 0.0
-        self.lagged = self.flux = self.held = self.magnetised if self.is_behind else current
+        self.lagged = self.flux = self.held = magnetised if self.is_behind else current
 
     def hold(self, current: float) -> None:
         """Switch to a current."""
         self.held = current
         if self.is_behind:
-            core = self.core_at(current)
-            self.held = self.behind_loop(*core)
-            self.magnetised, self.loop, self.plays = core
+            self.core = self.core_at(current, self.core)
+            self.held = self.behind_loop(*self.core)
         self.turn = self.turning_instant()
 
     def turning_instant(self) -> float:
@@ -78,7 +76,7 @@ class Electromagnet:
 
     def core_after(self, duration: float) -> Core:
         """Return the magnetising current [A], where in its loop the core is, and the plays [A], past a turn or not."""
-        core = self.magnetised, self.loop, self.plays
+        core = self.core
         if self.is_behind:
             return core
         for instant in (self.turn, duration):
@@ -86,9 +84,9 @@ class Electromagnet:
                 core = self.core_at(self.flux_after(instant), core)
         return core
 
-    def core_at(self, current: float, core: Core | None = None) -> Core:
-        """Return the same after the current has gone one way to another, from where the core is or was. [A]"""
-        before, loop, plays = core or (self.magnetised, self.loop, self.plays)
+    def core_at(self, current: float, core: Core) -> Core:
+        """Return the same after the current has gone one way to another, from where the core was. [A]"""
+        before, loop, plays = core
         magnetising = saturated(self.numbers, current)
         return magnetising, self.loop_after(magnetising, before, loop), self.plays_after(magnetising, plays)
 
@@ -134,7 +132,7 @@ class Electromagnet:
 
     def advance(self, duration: float) -> None:
         """Let a duration pass."""
-        self.magnetised, self.loop, self.plays = self.core_after(duration)
+        self.core = self.core_after(duration)
         self.lagged, self.flux = self.lagged_after(duration), self.flux_after(duration)
         self.turn = self.turning_instant()
 

@@ -121,12 +121,8 @@ class SmoothChain:
         """The parameters by name, and what the stages ask of them."""
         p = SimpleNamespace(**{name: ca.SX.sym(name) for name in self.parameters})
         p.effects, p.remembers, p.slides = self.effects, self.remembers, self.slides
-        p.has_eddies, p.lags_behind_core, p.saturates_as_tanh = (
-            self.has_eddies,
-            self.lags_behind_core,
-            self.saturates_as_tanh,
-        )
-        p.leaks_gas = self.leaks_gas
+        p.has_eddies, p.saturates_as_tanh = self.has_eddies, self.saturates_as_tanh
+        p.lags_behind_core, p.leaks_gas = self.lags_behind_core, self.leaks_gas
         p.filters, p.smears, p.wears, p.turns = self.filters, self.smears, self.wears, self.turns
         p.curves = self.model.numbers.get("bristle_exponent", 1.0) > 1.0
         p.has_orifices = self.model.numbers.get("orifice_share", 0.0) > 0.0
