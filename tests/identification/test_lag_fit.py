@@ -38,7 +38,7 @@ def test_a_second_lag_is_found_where_the_base_valve_made_up_for_the_first_by_mas
 
 
 def test_a_lag_is_found_from_a_sluggish_base_valve_and_from_beside_another_effect(tmp_path):
-    """The base valve overshoots nowhere; from there, and from the mass as given, a search had ended at 31."""
+    """The base valve overshoots nowhere; from there a search had ended above 20, from the mass as given at 31."""
     seed, profile = 1506728585, 827035033
     plant, base, found = fits_to_plant(seed, "sensor_lag", tmp_path, profile=profile, nuisance=True)
     assert found.found.error < 1.05 * found.problem.noise_error
