@@ -20,7 +20,7 @@ from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
-from diagnosis.sampling import with_sampling_error
+from diagnosis.sampling import largest_error, with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import select, try_together
 from diagnosis.sham import Control, control_of
@@ -133,6 +133,7 @@ class Diagnosis(Told):
     as_given: Errors
     refitted: Errors
     floor: float
+    sampling_error: float
     yardstick: str
     holdout: Holdout
     given: Model
@@ -192,6 +193,7 @@ class Diagnosis(Told):
                 "refitted": self.refitted.rms,
                 "with_cause": self.cause.errors.rms,
                 "noise_floor": self.floor,
+                "sampling_error": self.sampling_error,
                 "scored_on": self.holdout.scored_on,
                 "yardstick": YARDSTICKS[self.yardstick],
             },
@@ -265,7 +267,9 @@ def diagnose_with(
     library = library_for(holdout, candidates)
     progress("refitting the base valve", 0.0)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    experiments, slowness = with_sampling_error(experiments, base)
+    as_read = experiments
+    experiments, slowness = with_sampling_error(as_read, base)
+    sampling_error = largest_error(experiments, as_read)
     if slowness:
         holdout = hold_out(experiments)
         base = fit_base(model, holdout.experiments, holdout.fitted)
@@ -316,6 +320,7 @@ def diagnose_with(
         as_given=as_given,
         refitted=getattr(first.score, yardstick),
         floor=floor,
+        sampling_error=sampling_error,
         yardstick=yardstick,
         holdout=holdout,
         given=model,

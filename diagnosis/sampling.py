@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -44,6 +45,12 @@ def with_sampling_error(experiments: Sequence[Experiment], base: Fit) -> tuple[l
             " not recorded; that counts as noise, and small effects hide in it: log ten times faster"
         )
     return found, notes
+
+
+def largest_error(blurred: Sequence[Experiment], as_read: Sequence[Experiment]) -> float:
+    """Return what counts as noise in some experiments beside that of the readings, in that with most of it. [m]"""
+    pairs = zip(blurred, as_read, strict=True)
+    return max(math.sqrt(max(each.noise**2 - before.noise**2, 0.0)) for each, before in pairs)
 
 
 def sampling_error(experiment: Experiment, base: Fit) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 
 from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, own_stages
+from diagnosis.report.headline import is_too_slow, is_undecided
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
 
@@ -142,10 +143,17 @@ def designed_of(diagnosis: Mapping[str, Any]) -> str:
     separation = {name: value for name, value in designed["separation"].items() if is_number(value)}
     profile, gauge = separation["profile"], separation.get("pressure_now", 0.0)
     both = separation.get("profile_and_pressure", 0.0)
+    now = separation["now"]
+    if now >= max(profile, _TELLING):
+        return (
+            f"{purpose}, no current profile within the limits tells more than the record that is there: refitted, they "
+            f"differ by {now:.2g} times the noise in it, by {profile:.2g} times under the best profile "
+            f"({designed['file']}). Allow a longer or a faster one (--next-duration, --next-rate)."
+        )
     if profile >= _TELLING:
         return (
             f"{purpose}, record the current profile in {designed['file']}: refitted, they would differ by "
-            f"{profile:.2g} times the noise (now {separation['now']:.2g})."
+            f"{profile:.2g} times the noise (in the record that is there by {now:.2g})."
         )
     if gauge >= _TELLING:
         return (
@@ -178,6 +186,10 @@ def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
 def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
     """Say what to do with the answer, and then how to settle what it leaves open."""
     verdict, designed = diagnosis["verdict"], designed_of(diagnosis)
+    if verdict == "none" and is_too_slow(diagnosis):
+        return "Log at least ten times faster, or the settled positions at held currents, and diagnose that."
+    if is_undecided(diagnosis):
+        return f"A second record of the valve, with slower and faster strokes, decides it. {designed or ''}".rstrip()
     if verdict == "none":
         later = designed or "Look for effects again only where a new record shows a gap."
         return f"Use the refitted model (base.json). {later}"

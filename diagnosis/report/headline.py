@@ -9,6 +9,9 @@ from diagnosis.report.amounts import is_number, probability_text
 from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, likelihood, listed
 
+_MOST_OF_THE_NOISE = 0.7
+"""Share of the noise, root mean square, above which something is most of it."""
+
 _EXPLAINED = 3
 """Effects that are explained under the headline; more would hide the answer."""
 
@@ -20,6 +23,10 @@ def headline_of(diagnosis: Mapping[str, Any]) -> str:
         return "Something is missing from the model that none of the known effects explains."
     probability = family_probability(diagnosis)
     if verdict == "none":
+        if is_too_slow(diagnosis):
+            return "The record is too slow to show whether the model lacks anything."
+        if is_undecided(diagnosis):
+            return "The record does not decide whether the model lacks anything."
         if probability is not None and probability < SURE:
             return "The model most likely lacks nothing: refitted, it explains this record."
         return "The model lacks nothing: refitted, it explains this record."
@@ -32,6 +39,19 @@ def headline_of(diagnosis: Mapping[str, Any]) -> str:
         return f"The model lacks something; the best guess is {name}."
     sure = "" if probability >= SURE else "most likely "
     return f"The model {sure}lacks {name}."
+
+
+def is_too_slow(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether most of what counts as noise is what the current may have done between the rows."""
+    gap = diagnosis.get("gap") or {}
+    missed, floor = gap.get("sampling_error"), gap.get("noise_floor")
+    return is_number(missed) and is_number(floor) and missed > _MOST_OF_THE_NOISE * floor
+
+
+def is_undecided(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether that nothing is missing is the first of several answers of which none is likely."""
+    probability = family_probability(diagnosis)
+    return diagnosis["verdict"] == "none" and probability is not None and probability < LIKELY
 
 
 def _family_title(own: Sequence[str], rivals: Sequence[Sequence[str]]) -> str:
@@ -48,6 +68,8 @@ def _family_title(own: Sequence[str], rivals: Sequence[Sequence[str]]) -> str:
 
 def tag_of(diagnosis: Mapping[str, Any]) -> str:
     """Return the kind of answer in two or three words."""
+    if diagnosis["verdict"] == "none" and (is_too_slow(diagnosis) or is_undecided(diagnosis)):
+        return "Cannot tell"
     if diagnosis["verdict"] != "effect":
         return {"none": "No effect missing", "unknown": "Cause unknown"}.get(diagnosis["verdict"], "")
     probability = family_probability(diagnosis) or 0.0
@@ -59,6 +81,16 @@ def tag_of(diagnosis: Mapping[str, Any]) -> str:
 def explanation_of(diagnosis: Mapping[str, Any]) -> str:
     """Say what the effects that the headline names are."""
     if diagnosis["verdict"] == "none":
+        if is_too_slow(diagnosis):
+            return (
+                "What the current does between two rows is not in the record, and moves the stem by about "
+                f"{1e3 * diagnosis['gap']['sampling_error']:.2g} mm: any effect smaller than that goes unseen."
+            )
+        if is_undecided(diagnosis):
+            return (
+                "With its own parameters fitted anew, the base model comes near the noise of the record. Some effect "
+                f"may be missing nevertheless; the nearest is {_nearest(diagnosis)}."
+            )
         return (
             "With its own parameters fitted anew, the base model comes down to the noise of the record. "
             "No listed effect improves it enough to be believed."
@@ -76,6 +108,13 @@ def explanation_of(diagnosis: Mapping[str, Any]) -> str:
     if len(declared) + len(others) <= _EXPLAINED:
         declared += others
     return " ".join(f"{capitalised(each.title)} – {each.meaning}." for each in declared)
+
+
+def _nearest(diagnosis: Mapping[str, Any]) -> str:
+    """Name the most probable cause that is not none."""
+    causes = [cause for cause in diagnosis.get("causes") or () if cause["effects"] and is_number(cause["probability"])]
+    best = max(causes, key=lambda cause: float(cause["probability"]), default=None)
+    return cause_title(best["effects"]) if best else "none of the listed ones"
 
 
 def confidence_of(diagnosis: Mapping[str, Any]) -> str:

@@ -1,6 +1,7 @@
 """Bad input ends with one clear message, exit status 2, and nothing written."""
 
 import json
+import shutil
 import subprocess
 import sys
 
@@ -61,6 +62,7 @@ BAD = [
     ("unknown effect to fit", f"fit {IN} --effect stribek --out {DIR}", "did you mean stribeck"),
     ("effect to fit twice", f"fit {IN} --effect stribeck --effect stribeck --out {DIR}", "came twice"),
     ("record twice", f"diagnose {IN} {IN} --out {DIR}", "came twice"),
+    ("record copied", f"diagnose {IN} copy.csv --out {DIR}", "the same samples"),
     ("kinds mixed", f"diagnose {IN} stem.csv --out {DIR}", "have one kind"),
     ("loop and time fitted", f"fit loop.csv {IN} --out {DIR}", "loop.csv is a settled loop"),
     ("loop and time diagnosed", f"diagnose {IN} loop.csv --out {DIR}", "loop.csv is a settled loop"),
@@ -86,7 +88,8 @@ BAD = [
 
 
 @pytest.fixture
-def files(tmp_path):
+def files(tmp_path, short_record):
+    shutil.copy(short_record, tmp_path / "copy.csv")
     (tmp_path / "other.json").write_text(json.dumps({"schema": "valvemodel.diagnosis/1"}))
     ramp = [(0.02 * k, 5.0 + 0.01 * k, 50.0 + 0.1 * k) for k in range(600)]
     write = {

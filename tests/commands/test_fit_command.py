@@ -127,12 +127,14 @@ def test_percent_without_rated_travel_is_said(command, short_record, tmp_path):
     percent = table.select("time [s]", "current [mA]", (polars.col("position [mm]") / 2.5).alias("position [%]"))
     percent.write_csv(tmp_path / "percent.csv")
     said = {}
-    for valve in ("calibrated", "mine.toml"):
-        result = command("fit", "percent.csv", "--valve", valve, "--out", "fitted")
+    for valve in ("calibrated", "mine.toml", ""):
+        chosen = ("--valve", valve) if valve else ()
+        result = command("fit", "percent.csv", *chosen, "--out", "fitted")
         assert result.exit_code == 0, result.output
         said[valve] = [text for text in fitted(tmp_path / "fitted")["warnings"] if "rated_travel" in text]
     assert said["calibrated"] == []
-    assert "only their proportions mean something" in said["mine.toml"][0]
+    for valve in ("mine.toml", ""):
+        assert "only their proportions mean something" in said[valve][0]
 
 
 def test_loop_without_time_is_fitted(command, demo_record, tmp_path):

@@ -218,6 +218,19 @@ ERRORS = {
         ["pressure changes", "90 kPa in all 60 rows", "delete the column"],
     ),
     "nothing moves": (scaled("position", 0, 120), ["the stem moves", "120 mm in all 60 rows", "transmitter"]),
+    "times under another name": (
+        text_of_a_valve(header=HEADER.replace("time [s]", "Zeit [s]")),
+        ["'Zeit [s]' holds times", "rename it to 'time [s]'", "settled loop"],
+    ),
+    "dates under another name": (
+        "\n".join(
+            [
+                "stamp,current [mA],position [mm]",
+                *(f"2026-03-01 10:00:{i:02d},{4 + i % 7},{50 + i % 9}" for i in range(30)),
+            ]
+        ),
+        ["'stamp' holds times", "rename it to 'time'"],
+    ),
     "binary": ("time\x00\x01\x02", ["no text", "export it as CSV"]),
 }
 
@@ -292,6 +305,10 @@ WARNINGS = {
         ["current runs one way only"],
     ),
     "one turn": (text_of_a_valve(count=38), ["current turns only once"]),
+    "reverse acting": (
+        scaled("position", -1, 300),
+        ["position falls while current rises", "the end of the travel less"],
+    ),
     "force misread in a time record": (
         text_of_a_valve(header="time [s],current [mA],force [kPa],position [mm]"),
         ["column 'force [kPa]' is left out"],

@@ -92,6 +92,7 @@ def test_nearest_candidate_of_an_unknown_cause_has_no_alternatives() -> None:
         ),
         ({"now": 0.1, "profile": 0.2, "pressure_now": 0.3}, "nor does a measured pressure: refitted, they would"),
         ({"now": 0.1, "profile": 0.2}, "apart: refitted, they would differ by 0.2 times the noise at most"),
+        ({"now": 7.0, "profile": 5.1}, "no current profile within the limits tells more than the record that is there"),
     ],
 )
 def test_next_step_asks_for_what_tells_rivals_apart(separation: dict[str, float], words: str) -> None:
@@ -119,6 +120,29 @@ def test_none_without_alternatives_says_so() -> None:
     diagnosis = none()[0]
     diagnosis["causes"][0]["indistinguishable_from"] = []
     assert "No listed effect could hide" in make_answer(diagnosis).alternatives_sentence
+
+
+@pytest.mark.parametrize(
+    ("probability", "sampling_error", "headline", "next_step"),
+    [
+        (0.95, 0.0, "The model lacks nothing: refitted, it explains this record.", "Use the refitted model"),
+        (0.7, 0.0, "The model most likely lacks nothing: refitted, it explains this record.", "Use the refitted model"),
+        (0.4, 0.0, "The record does not decide whether the model lacks anything.", "A second record of the valve"),
+        (0.95, 1.4e-4, "The record is too slow to show whether the model lacks anything.", "Log at least ten times"),
+    ],
+)
+def test_none_is_said_as_surely_as_the_record_shows_it(
+    probability: float, sampling_error: float, headline: str, next_step: str
+) -> None:
+    diagnosis = none()[0]
+    diagnosis["causes"][0] |= {"probability": probability, "indistinguishable_from": []}
+    diagnosis["gap"]["sampling_error"] = sampling_error
+    answer = make_answer(diagnosis)
+    assert answer.headline == headline
+    assert answer.next_step.startswith(next_step)
+    is_open = headline.startswith("The record")
+    assert (answer.tag == "Cannot tell") == is_open
+    assert ("comes down to the noise" in answer.explanation) != is_open
 
 
 def test_two_effects_lie_in_both_of_their_stages() -> None:

@@ -60,13 +60,16 @@ records_argument = click.argument(
 
 
 def valve_model(name: str | None) -> tuple[Model, float | None]:
-    """Return a valve set or file as a model, and its rated travel [m] if the file gives it."""
+    """Return a valve set or file as a model, and its rated travel [m] if the user's choice of valve gives it.
+
+    The valve that is taken where none was chosen says nothing of the user's travel.
+    """
     from valvemodel.model import Model
     from valvemodel.valves import read_valve
 
     valve = read_valve("calibrated" if name is None else name)
     entry = valve.entries.get("rated_travel")
-    travel = valve.values["rated_travel"] if entry is not None and entry.is_given else None
+    travel = valve.values["rated_travel"] if name is not None and entry is not None and entry.is_given else None
     return Model(valve.name, valve.values), travel
 
 
@@ -90,6 +93,7 @@ def measured_records(paths: Sequence[Path], model: Model, rated_travel: float | 
                 f"{paths[0]} is {_KINDS[kinds[0]]}, {path} is {_KINDS[kind]}",
                 "give them to runs of their own",
             )
+    _check_no_copies(records)
     return records
 
 
@@ -111,14 +115,29 @@ def _check_each_once(paths: Sequence[Path]) -> None:
         seen.add(place)
 
 
+def _check_no_copies(records: Sequence[Record]) -> None:
+    """Refuse a copy of a record under another name: what was fitted to the one would be scored on the other."""
+    seen: dict[bytes, Record] = {}
+    for record in records:
+        signals = (record.time, record.current, record.pressure, record.position, record.force)
+        content = b"".join(each.tobytes() for each in signals if each is not None)
+        if content in seen:
+            raise InputError(
+                "a record is given once (one is kept back to score on)",
+                f"{record.source or record.name} has the same samples as {seen[content].source or seen[content].name}",
+                "give another record of the valve, or this one alone",
+            )
+        seen[content] = record
+
+
 def _in_metres(record: Record, model: Model) -> Record:
     """Return the record in metres; where percent stayed for lack of a rated travel, say how it scales."""
     if record.position_unit == "m" or record.position is None:
         return record
     travel = model.values["rated_travel"]
     note = (
-        f"position is in percent and the valve gives no rated_travel: lengths count {1e3 * travel:g} mm as "
-        "100 %, and only their proportions mean something"
+        f"position is in percent and no valve with its rated_travel was given (--valve): lengths count "
+        f"{1e3 * travel:g} mm as 100 %, and only their proportions mean something"
     )
     kept = tuple(each for each in record.warnings if "percent" not in each)
     return replace(record, position=record.position * travel, position_unit="m", warnings=(*kept, note))

@@ -21,6 +21,7 @@ _CLIPPED = 0.01  # share of the record at one extreme value
 _BAR_AT_MOST = 3e3  # [Pa]: 0.4..2.1 bar read as kPa stays below 3 kPa
 _ABSOLUTE_FROM, _ABSOLUTE_TO = 95e3, 180e3  # [Pa]: atmosphere to atmosphere and a converter's lower end
 _HALF_METRE = 0.5  # [mm]: a travel in metres in a column of millimetres
+_AGAINST = -0.5  # correlation of position and input from which the valve is taken to act in reverse
 _REVERSAL = 0.05  # of the range: smaller turns are not counted
 
 
@@ -50,6 +51,7 @@ def doubts(measurement: Measurement, *, is_moving: bool) -> list[str]:
                 found += _reading(measurement, name)
         drive = "current" if "current" in columns else "force"
         found += _direction(measurement, drive)
+        found += _sense(measurement, drive)
     return found
 
 
@@ -89,7 +91,7 @@ def _time(measurement: Measurement, *, is_moving: bool) -> list[str]:
         found.append(
             f"{gaps.size} gap(s) in time, {share:.0%} of the record; the first before"
             f" {measurement.place(row)}: {measurement.given('time', row)} after"
-            f" {measurement.given('time', row - 1)}; the input counts as held over a gap"
+            f" {measurement.given('time', row - 1)}"
         )
     whole = np.delete(steps, gaps)
     if is_moving and whole.size >= 10:
@@ -185,6 +187,19 @@ def _direction(measurement: Measurement, name: str) -> list[str]:
     if reversals == 1:
         return [f"{name} turns only once: one loop says little about scatter"]
     return []
+
+
+def _sense(measurement: Measurement, drive: str) -> list[str]:
+    if not {drive, "position"} <= measurement.columns.keys():
+        return []
+    given, position = measurement.values(drive), measurement.values("position")
+    if min(np.ptp(given), np.ptp(position)) == 0.0 or np.corrcoef(given, position)[0, 1] > _AGAINST:
+        return []
+    end = "100 %" if measurement.columns["position"].is_percent else "the end of the travel"
+    return [
+        f"position falls while {drive} rises, and the model's stem rises: of a reverse-acting valve, count the position"
+        f" from the other end ({end} less the reading)"
+    ]
 
 
 def count_reversals(values: npt.NDArray[np.float64]) -> int:

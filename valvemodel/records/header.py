@@ -84,6 +84,16 @@ def misspelt(name: str, headers: tuple[Header, ...]) -> str | None:
     return others[nearest[0]] if nearest else None
 
 
+def unread_time(header: Header, sheet: Sheet) -> InputError:
+    """Make the error for a column of times under a name that is not read, in a record that would pass for a loop."""
+    name = "time" if header.unit is None else sheet.form.format(name="time", unit=header.unit)
+    return InputError(
+        "the column of times is called 'time'; without one the rows are pairs of a settled loop",
+        f"{sheet.name}: column {header.text!r} holds times and is not read",
+        f"rename it to {name!r}; if the rows are pairs of a settled loop, delete the column",
+    )
+
+
 def missing_unit(name: str, header: Header, sheet: Sheet) -> InputError:
     """Make the error for a known column without a unit."""
     unit = _written_unit(name, header.text) or USUAL[name]

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from valvemodel.errors import InputError
+from valvemodel.quantities import is_unit_of
 from valvemodel.records.checks import check_column, check_length, check_motion
+from valvemodel.records.clock import form_of
 from valvemodel.records.column import Cells, Column, has_decimal_comma, read_column
 from valvemodel.records.delimited import read_delimited
 from valvemodel.records.doubts import doubts
 from valvemodel.records.frame import read_frame
-from valvemodel.records.header import DIMENSIONS, find_columns, missing_column
+from valvemodel.records.header import DIMENSIONS, find_columns, missing_column, unread_time
 from valvemodel.records.matlab import read_matlab
 from valvemodel.records.measurement import Measurement
 from valvemodel.records.parquet import read_parquet
@@ -161,6 +163,8 @@ def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[di
         required.insert(0, "time")
     if missing := [name for name in required if name not in found]:
         raise missing_column(missing, sheet)
+    if "time" not in found and "current" in found:
+        _check_no_times(sheet, found)
     names = [name for name in DIMENSIONS if name in found]
     numbers = [found[name][0] for name in names]
     cells = [
@@ -181,6 +185,17 @@ def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[di
         else:
             warnings += columns[one.name].notes
     return columns, warnings
+
+
+def _check_no_times(sheet: Sheet, found: dict[str, list[int]]) -> None:
+    """Refuse a record without a column of times whose times stand under another name."""
+    read = {number for numbers in found.values() for number in numbers}
+    unread = [number for number in range(len(sheet.headers)) if number not in read]
+    for number, series in zip(unread, sheet.read(unread), strict=True):
+        header = sheet.headers[number]
+        first = next((str(each).strip() for each in series if each is not None and str(each).strip()), "")
+        if (header.unit and is_unit_of(header.unit, DIMENSIONS["time"])) or form_of(first):
+            raise unread_time(header, sheet)
 
 
 def _is_required(name: str, found: dict, needs: tuple[str, ...]) -> bool:
