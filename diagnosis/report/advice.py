@@ -71,6 +71,8 @@ def alternatives_sentence(diagnosis: Mapping[str, Any]) -> str:
     """Name what the record cannot tell from the cause, or say that there is nothing."""
     if diagnosis["verdict"] == "unknown":
         return "Which effect it is: none of the listed ones fits well enough to be named."
+    if diagnosis["verdict"] == "none" and is_too_slow(diagnosis):
+        return "Whether an effect hides in what the current does between two rows."
     own, others = _apart(diagnosis)
     subject, rivals = cause_title(own), [_rival_title(other) for other in others]
     if not rivals:

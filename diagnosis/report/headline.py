@@ -126,6 +126,8 @@ def confidence_of(diagnosis: Mapping[str, Any]) -> str:
     else:
         probability = found.get("probability")
         subject = "This" if diagnosis["verdict"] == "effect" else "That nothing is missing"
+        if diagnosis["verdict"] == "none" and is_too_slow(diagnosis):
+            subject += ", beside what goes unseen,"
     if probability is None or not is_number(probability):
         return ""
     family = family_probability(diagnosis) if diagnosis["verdict"] == "effect" else None

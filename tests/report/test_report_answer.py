@@ -143,6 +143,8 @@ def test_none_is_said_as_surely_as_the_record_shows_it(
     is_open = headline.startswith("The record")
     assert (answer.tag == "Cannot tell") == is_open
     assert ("comes down to the noise" in answer.explanation) != is_open
+    assert ("could hide" in answer.alternatives_sentence) == (sampling_error == 0.0)
+    assert ("beside what goes unseen" in answer.confidence) == (sampling_error > 0.0)
 
 
 def test_two_effects_lie_in_both_of_their_stages() -> None:
