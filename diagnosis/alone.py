@@ -18,6 +18,7 @@ from diagnosis.standing import (
     is_quick,
     is_read_off,
     is_settled,
+    loses_phase,
     values_alone,
     with_better,
 )
@@ -46,7 +47,10 @@ def try_first(
     alone = try_alone(base, holdout, library, pool, progress)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    return [*alone, *beside_slips(alone, holdout, pool, progress)]
+    pairs = beside_slips(alone, holdout, pool, progress)
+    # The error of a free run that lost the phase of its slips says little: from the re-anchored one it gets it back.
+    lost = [each for each in blunt(best_of(pairs, 2), base) if loses_phase(each)]
+    return [*alone, *with_better(pairs, sharpen_all(lost, holdout, pool, progress))]
 
 
 def try_alone(

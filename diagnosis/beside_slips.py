@@ -11,7 +11,7 @@ from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import Look, look_alone, look_beside
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
-from identification.breakaway import Line
+from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS
@@ -67,57 +67,47 @@ def beside_slips(
         alone.
     """
     base = alone[0]
-    has_stairs = any(each.has_stairs for each in base.fit.problem.experiments)
-    laws = [each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway]
-    laws.sort(key=misfit)
-    makers = [each for each in laws if has_stairs or not effect_of_key(each.effects[0]).is_chaotic]
-    if not makers or any_explains(alone):
+    laws = sorted((each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway), key=misfit)
+    if not laws or any_explains(alone):
         return []
-    if not stops_seen(base.fit) and misfit(makers[0]) > SOME * misfit(base):
+    if not stops_seen(base.fit) and misfit(laws[0]) > SOME * misfit(base):
         return []
-    least = min(misfit(makers[0]), SOME * misfit(base))
+    least = min(misfit(laws[0]), SOME * misfit(base))
     if any(stops_by_reading(each) and misfit(each) < least for each in alone[1:]):
         return []
     line = straight_line(base.fit)
-    on_top = beside_the_best(alone, makers[0])
+    on_top = beside_the_best(alone, laws[0])
     # Where all breakaways lie on the line as it is, only slips tell; a law that is not the best alone has none there.
-    if line is None or (line.is_explained and not is_best_alone(makers[0], alone)):
+    if line is None or (line.is_explained and not is_best_alone(laws[0], alone)):
         return try_all(on_top, holdout, pool, progress, WHAT)
+    progress("what sets how far the slips go", 0.0)
+    keys = [law.effects[0] for law in laws[:MAKERS]]
+    at_slips = look_alone(on_the_line(base.fit.problem, line), line, keys, pool)
+    if at_slips.is_explained(NEARER_AT_SLIPS):
+        return []
     effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
-    if line.is_explained:
+    if line.error <= LIES_ON * line.count:
         # What is seen elsewhere would bend it, or shapes the slips.
-        effects = [each for each in effects if each.hides_in_base or each.key in SHAPES_SLIPS]
+        effects = list(filter(is_unseen_elsewhere, effects))
     bent = bent_lines(base.fit, line, effects, pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
-    # A line that one effect bends shows stairs, if it is not the law alone that does.
-    chosen = (makers if line.is_explained else laws)[:MAKERS]
-    looked, alone_at_slips = look_at_slips(bent, line, chosen, base.fit, pool, progress)
-    if looked and not any(each.slips for each in looked):
+    worth = bent[:BENDS]
+    worth += [
+        each
+        for each in bent[BENDS:]
+        if each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect))
+    ]
+    looked = look_beside(worth, keys, pool, at_slips.error)
+    if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS]]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
-    return try_all(nearest_at_slips(looked, alone_at_slips), holdout, pool, progress, WHAT)
+    return try_all(nearest_at_slips(looked, at_slips.error), holdout, pool, progress, WHAT)
 
 
-def look_at_slips(
-    bent: Sequence[BentLine],
-    line: Line,
-    laws: Sequence[Candidate],
-    base: Fit,
-    pool: Executor | None,
-    progress: Progress,
-) -> tuple[list[Look], float]:
-    """Return what laws on top of effects make of the slips, and the error of the best law alone there.
-
-    Alone they are judged in the same way, on the line as it is. None on top where nothing comes nearer than that.
-    """
-    progress("what sets how far the slips go", 0.0)
-    keys = [law.effects[0] for law in laws]
-    alone = look_alone(on_the_line(base.problem, line), line, keys, pool)
-    if alone.is_explained(NEARER_AT_SLIPS):
-        return [], alone.error
-    worth = [each for number, each in enumerate(bent) if number < BENDS or each.line.is_explained]
-    return look_beside(worth, keys, pool, alone.error), alone.error
+def is_unseen_elsewhere(effect: Effect) -> bool:
+    """Return whether slips may be all that shows an effect: it hides in the base valve, or shapes the slips."""
+    return effect.hides_in_base or effect.key in SHAPES_SLIPS
 
 
 def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:

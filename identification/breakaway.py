@@ -93,6 +93,15 @@ class Breakaways:
         return np.array([rest.side for rests in self.rests for rest in rests])
 
     @cached_property
+    def before(self) -> np.ndarray:
+        """Sides to which the stem went before, -1 or 1: from the rest before; on the first as it leaves."""
+        found = []
+        for rests in self.rests:
+            went = np.sign(np.diff([rest.position for rest in rests]))
+            found += [rest.side for rest in rests[:1]] + [float(side) for side in went]
+        return np.array(found)
+
+    @cached_property
     def spread(self) -> np.ndarray:
         """Standard deviations of the positions. [m]"""
         pairs = zip(self.problem.experiments, self.rests, strict=True)
@@ -135,7 +144,7 @@ class Breakaways:
         """
         rows, ways = self.problem.rows(points, 0), np.empty((2, len(points), len(self.position)))
         for way, pressures, times in zip(ways, self.pressures(points), self.time, strict=True):
-            ways_to_breakaway(rows, self.position, self.side, pressures, times, way)
+            ways_to_breakaway(rows, self.position, self.before, self.side, pressures, times, way)
         return self.position + np.where(np.isfinite(ways), ways, LOST_WAY)
 
     def enclosed(self, points: np.ndarray) -> np.ndarray:

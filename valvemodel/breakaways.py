@@ -10,16 +10,23 @@ from valvemodel.stages.stem import breakaway_ratio, sliding_friction, tangent_st
 SOFTEST = 0.1
 """Share of the spring's stiffness below which the net force does not fall along the way to a breakaway."""
 
+WITHIN_PLAY = 2e-3
+"""Weight of where in the play a slip began that the reading of a turned stem shows."""
+
 
 @compiled
-def ways_to_breakaway(rows, readings, sides, pressures, times, ways):
+def ways_to_breakaway(rows, readings, befores, sides, pressures, times, ways):
     """Tell for each row of numbers and each rest how far beyond its reading the stem would just break away.
+
+    A stem that goes on the way it came has taken up the play of its linkage, and stands before the reading by half of
+    it. One that turned may have slipped within the play before: the slip that its reading shows began anywhere in it,
+    most likely where the stem rested.
 
     Parameters
     ----------
     rows : structured array, shape (p,)
-    readings, sides, times : arrays, shape (n,) [m], -1 or 1, [s]
-        Mean reading of each rest, the side to which the stem leaves, and when.
+    readings, befores, sides, times : arrays, shape (n,) [m], -1 or 1, -1 or 1, [s]
+        Mean reading of each rest, the side to which the stem went before, that to which it leaves, and when.
     pressures : array, shape (p, n) [Pa]
     ways : array, shape (p, n) [m]
         Filled: positive is upwards.
@@ -28,8 +35,14 @@ def ways_to_breakaway(rows, readings, sides, pressures, times, ways):
         p = rows[row]
         for rest in range(len(readings)):
             time, side, pressure = times[rest], sides[rest], pressures[row, rest]
-            position = unbow(p, readings[rest] - sensor_drift(p, time))
+            linkage = unbow(p, readings[rest] - sensor_drift(p, time))
+            goes_on = side == befores[rest]
+            position = linkage + side * p.backlash_half_width if goes_on else linkage
             friction = breakaway_ratio(p) * sliding_friction(p, side, position, pressure, time)
             net = thrust(p, position, pressure, time) - side * friction
             stiffness = tangent_stiffness(p, side, position, pressure, time)
-            ways[row, rest] = net / max(stiffness, SOFTEST * p.spring_rate)
+            way = net / max(stiffness, SOFTEST * p.spring_rate)
+            if not goes_on:
+                within = min(max(way, -p.backlash_half_width), p.backlash_half_width)
+                way += WITHIN_PLAY * (within - befores[rest] * p.backlash_half_width) - within
+            ways[row, rest] = way

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from diagnosis import beside_slips as slips
-from diagnosis.beside_slips import bends_to_stairs, bent_lines, beside_the_best, look_at_slips
+from diagnosis.beside_slips import bends_to_stairs, bent_lines, beside_the_best
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.looks import look_alone, look_beside
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from identification.bent_lines import bent_line, straight_line
+from identification.bent_lines import bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
@@ -46,13 +47,48 @@ def test_the_way_to_a_breakaway_ends_where_friction_just_holds(given):
     p = Model("bent", given.values, effects).rows()
     reading, side, pressure = 0.1, 1.0, 1.2e5
     way = np.empty((1, 1))
+    sides = np.array([side])
     for _ in range(30):
-        ways_to_breakaway(p, np.array([reading]), np.array([side]), np.array([[pressure]]), np.zeros(1), way)
+        ways_to_breakaway(p, np.array([reading]), sides, sides, np.array([[pressure]]), np.zeros(1), way)
         reading += float(way[0, 0])
     stiffness, area = given.values["spring_rate"], given.values["diaphragm_area"]
     spring = stiffness * reading * (1.0 + 0.8 * reading)
     assert abs(way[0, 0]) < 1e-12
     assert area * pressure == pytest.approx(spring + given.values["spring_preload"] + given.values["coulomb_friction"])
+
+
+def test_play_puts_the_stem_before_the_reading_until_it_turns(given):
+    half, pressure, reading = 2e-3, np.array([[1.2e5]]), np.array([0.165])
+    rising, falling = np.array([1.0]), np.array([-1.0])
+
+    def way_of(half_width: float, before: np.ndarray, side: np.ndarray) -> float:
+        effects = {"linkage_backlash": {"backlash_half_width": half_width}}
+        way = np.empty((1, 1))
+        rows = Model("loose", given.values, effects).rows()
+        ways_to_breakaway(rows, reading, before, side, pressure, np.zeros(1), way)
+        return float(way[0, 0])
+
+    assert way_of(half, rising, rising) == pytest.approx(way_of(0.0, rising, rising) - half, abs=1e-12)
+    assert way_of(half, falling, falling) == pytest.approx(way_of(0.0, falling, falling) + half, abs=1e-12)
+    # The slip that a turned reading shows began anywhere in the play: only what lies outside counts in full.
+    turned = way_of(0.0, rising, falling)
+    assert 0.005 < abs(turned) < 0.03
+    assert way_of(half, rising, falling) == pytest.approx(turned - np.sign(turned) * half, abs=4e-3 * half)
+    assert abs(way_of(0.03, rising, falling)) <= 4e-3 * 0.03
+
+
+def test_play_shows_where_the_reading_turns(given):
+    plant, _, base = plant_and_base(given, 9210, "linkage_backlash", "stribeck")
+    line = straight_line(base)
+    bent = bent_line(base, line, effect_of_key("linkage_backlash"))
+    assert not line.is_explained
+    assert bent.line.is_explained
+    half = bent.fit.model.effects["linkage_backlash"]["backlash_half_width"]
+    # Within what the breakaways leave open, slips tell the rest.
+    assert 0.6 < half / (0.5 * plant.effects[0].parameters["play"]) < 1.6
+    off = np.abs(line.breakaways.enclosed(line.point[None, :])[0])
+    turns = line.breakaways.before != line.breakaways.side
+    assert off[turns].max() > 10.0 * off[~turns].max()
 
 
 def test_breakaways_of_stick_slip_alone_lie_on_the_line(given):
@@ -161,13 +197,13 @@ def test_no_stairs_are_seen_where_the_line_is_straight(given):
 
 def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     """Each of three brings the breakaways onto a line; how far a slip goes tells the plant's from the others."""
-    _, holdout, base = plant_and_base(given, 9409, "asymmetric_friction", "static_friction")
+    _, _, base = plant_and_base(given, 9409, "asymmetric_friction", "static_friction")
     line = straight_line(base)
     keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
     bent = bent_lines(base, line, [effect_of_key(key) for key in keys], None, lambda *what: None)
     assert all(each.line.is_explained for each in bent)
-    law = Candidate(("static_friction",), base, score_fit(base, holdout))
-    looked, alone = look_at_slips(bent, line, [law], base, None, lambda *what: None)
+    alone = look_alone(on_the_line(base.problem, line), line, ["static_friction"], None).error
+    looked = look_beside(bent, ["static_friction"], None, alone)
     errors_by = {each.work.effects[0]: each.error for each in looked if each.slips}
     assert set(errors_by) == set(keys)
     assert errors_by["asymmetric_friction"] < 0.9 * min(errors_by["friction_drift"], errors_by["sensor_drift"], alone)

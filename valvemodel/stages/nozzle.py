@@ -76,7 +76,7 @@ EFFECTS = (
                 -2e-3,
                 2e-3,
                 0.0,
-                (1e-5, -1e-5),
+                (1e-5, -1e-5, 2e-6, -2e-6),
             ),
             choice_of_law(
                 "orifice_share",
