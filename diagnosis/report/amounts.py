@@ -148,6 +148,8 @@ def percent_interval(interval: object) -> str:
     --------
     >>> percent_interval([0.982, 1.003])
     '98 to 100 %'
+    >>> percent_interval([0.998, 1.0])
+    'over 99 %'
     """
     if not isinstance(interval, list | tuple) or len(interval) != 2:
         return ""
@@ -155,4 +157,6 @@ def percent_interval(interval: object) -> str:
     if low is None or high is None or not (is_number(low) and is_number(high)):
         return ""
     low, high = (min(1.0, max(-9.99, end)) for end in (low, high))
+    if low >= 0.995:
+        return percent(low)
     return f"{round(100 * low) + 0} to {round(100 * high) + 0} %"

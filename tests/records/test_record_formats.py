@@ -105,6 +105,13 @@ def test_dialect_is_read_and_said(dialect, tmp_path):
         assert said in "\n".join(record.warnings)
 
 
+def test_titles_above_the_column_names_are_skipped(tmp_path):
+    content = "Valve FV-101; stroke test\nExported 2026-03-01\n\n" + text()
+    record = read(tmp_path, content)
+    assert_is_the_record(record, rtol=1e-12)
+    assert "skipped 3 line(s) before the column names" in record.warnings
+
+
 def stamps(form):
     """Return the record's times of day from noon on, as a spreadsheet or historian writes them."""
     return [form.format(second=int(t), fraction=round(1000 * (t - int(t)))) for t in TIME]
@@ -115,6 +122,7 @@ CLOCKS = {
     "ISO with zone": "2026-03-01T12:00:{second:02d}.{fraction:03d}+01:00",
     "historian": "2026-03-01 12:00:{second:02d}.{fraction:03d}",
     "German": '"01.03.2026 12:00:{second:02d},{fraction:03d}"',
+    "German, short year": '"01.03.26 12:00:{second:02d},{fraction:03d}"',
     "American": "3/1/2026 12:00:{second:02d}.{fraction:03d} PM",
     "PI": "01-Mar-26 12:00:{second:02d}.{fraction:03d}",
     "time of day": "12:00:{second:02d}.{fraction:03d}",

@@ -16,10 +16,11 @@ _OF_DAY = (
 _ZONE = r"(?:\s*(?:[Zz]|UTC|GMT|(?P<sign>[+-])(?P<zone_hour>\d{2}):?(?P<zone_minute>\d{2})?))?"
 _DAY, _MONTH, _YEAR = r"(?P<day>\d{1,2})", r"(?P<month>\d{1,2})", r"(?P<year>\d{4})"
 _EITHER = r"(?P<first>\d{1,2})[-/](?P<second_part>\d{1,2})"
-_NAMED = r"(?P<month_name>[A-Za-z]{3})[-\s](?P<year>\d{2}(?:\d{2})?)"
+_SHORT_YEAR = r"(?P<year>\d{2}(?:\d{2})?)"
+_NAMED = rf"(?P<month_name>[A-Za-z]{{3}})[-\s]{_SHORT_YEAR}"
 _FORMS = {
     "ISO date and time": rf"{_YEAR}[-/.]{_MONTH}[-/.]{_DAY}[T\s]\s*{_OF_DAY}{_ZONE}",
-    "day.month.year and time": rf"{_DAY}[.]{_MONTH}[.]{_YEAR},?\s+{_OF_DAY}",
+    "day.month.year and time": rf"{_DAY}[.]{_MONTH}[.]{_SHORT_YEAR},?\s+{_OF_DAY}",
     "date with slashes and time": rf"{_EITHER}[-/]{_YEAR},?\s+{_OF_DAY}",
     "day-month name-year and time": rf"{_DAY}[-\s]{_NAMED}\s+{_OF_DAY}",
     "time of day": _OF_DAY,
@@ -99,7 +100,7 @@ def _days(parts: polars.DataFrame, form: str, where: str) -> polars.Series:
         columns["month"] = (
             parts["month_name"].str.to_lowercase().replace_strict(months, default=None, return_dtype=polars.Int32)
         )
-        columns["year"] = columns["year"] + 2000 * (columns["year"] < 100).cast(polars.Int32)
+    columns["year"] = columns["year"] + 2000 * (columns["year"] < 100).cast(polars.Int32)
     if "first" in columns:
         columns["day"], columns["month"] = _ordered(columns["first"], columns["second_part"], where)
     frame = polars.DataFrame({name: columns[name] for name in ("year", "month", "day")})

@@ -11,11 +11,14 @@ from dataclasses import dataclass
 import polars
 
 from valvemodel.errors import InputError
-from valvemodel.records.header import DIMENSIONS, TIME_NAMES, read_header
+from valvemodel.records.header import DIMENSIONS, TIME_NAMES, find_columns, read_header
 from valvemodel.records.sheet import Sheet
 
 _SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'"}
 """In the order of preference, each as it is called in messages."""
+
+_MOST_TITLES, _LEAST_KNOWN = 40, 2
+"""Lines among which the column names are looked for, and known columns that one of them must name."""
 
 
 def read_delimited(content: bytes, name: str) -> Sheet:
@@ -171,9 +174,13 @@ def _decoded(content: bytes, encoding: str, name: str) -> bytes:
 
 
 def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:
-    """Return where the column names start, on which line, and the separator that a line `sep=;` declares."""
+    """Return where the column names start, on which line, and the separator that a line `sep=;` declares.
+
+    Titles may stand above them: of the first lines it is the first that names two known columns, else the first.
+    """
     start, line, declared = 0, 1, None
-    while start < len(content):
+    found: tuple[int, int, str | None] | None = None
+    while start < len(content) and line <= _MOST_TITLES:
         end = content.find(b"\n", start)
         end = end if end >= 0 else len(content)
         text = content[start:end].strip()
@@ -186,9 +193,19 @@ def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:
                     "export it again",
                 )
         elif text and not text.startswith(b"#"):
-            return start, line, declared
+            found = found or (start, line, declared)
+            if _known_columns(text.decode(), declared) >= _LEAST_KNOWN:
+                return start, line, declared
         start, line = end + 1, line + 1
+    if found:
+        return found
     raise InputError("a record has a line of column names", f"{name} is empty", "export it again")
+
+
+def _known_columns(line: str, declared: str | None) -> int:
+    """Return how many known columns a line names."""
+    cells = next(csv.reader([line], delimiter=declared or _separator_of(line)), [])
+    return len(find_columns(tuple(map(read_header, cells))))
 
 
 def _separator_of(line: str) -> str:
