@@ -1,7 +1,18 @@
 """Filling and venting at unequal pace is found in each of its forms."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 from blind_fits import fits_to_plant
+
+import diagnosis
+from identification.experiment import experiment_of
+from identification.extension import extend
+from identification.fit import fit_base
+from valvemodel.model import Model
+from valvemodel.records import read_record
+from valvemodel.valves import read_valve
 
 KEY = "asymmetric_filling"
 
@@ -18,3 +29,15 @@ def test_each_form_is_found(seed, law, orifice_share, tmp_path):
     assert base.found.error > 10.0 * noise
     assert found.found.error < 1.05 * noise
     assert found.model.effects[KEY]["orifice_share"] == orifice_share
+
+
+@pytest.mark.parametrize(("name", "first"), [("demo", 0.0), ("demo", 30.0), ("demo", 70.0), ("demo-b", 20.0)])
+def test_a_rate_limit_is_found_on_parts_of_the_bundled_records(name, first):
+    """From starts at slow limits alone a search had ended at none on the later parts of the first."""
+    record = read_record(Path(diagnosis.__file__).parent / "examples" / f"{name}.csv")
+    kept = record.time >= first
+    cut = replace(record, time=record.time[kept], current=record.current[kept], position=record.position[kept])
+    valve = read_valve("calibrated")
+    found = extend(fit_base(Model(valve.name, valve.values), [experiment_of(cut)]), KEY)
+    assert found.found.error < 1.1 * found.problem.noise_error
+    assert found.model.effects[KEY]["filling_slowness"] == pytest.approx(1.75e-6, rel=0.1)
