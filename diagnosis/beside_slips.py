@@ -92,11 +92,10 @@ def beside_slips(
     bent = bent_lines(base.fit, line, effects, pool, progress)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
-    worth = bent[:BENDS]
-    worth += [
+    worth = [
         each
-        for each in bent[BENDS:]
-        if each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect))
+        for number, each in enumerate(bent)
+        if number < BENDS or (each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect)))
     ]
     looked = look_beside(worth, keys, pool, at_slips.error)
     if not any(each.slips for each in looked):

@@ -94,7 +94,7 @@ class Breakaways:
 
     @cached_property
     def before(self) -> np.ndarray:
-        """Sides to which the stem went before, -1 or 1: from the rest before; on the first as it leaves."""
+        """Sides to which the stem went before, -1 or 1, 0 if it did not; on the first as it leaves."""
         found = []
         for rests in self.rests:
             went = np.sign(np.diff([rest.position for rest in rests]))

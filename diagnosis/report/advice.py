@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnosis.report.amounts import is_number, percent, probability_text
-from diagnosis.report.finding import WORTH_SAYING, found_cause, own_stages
-from diagnosis.report.headline import is_too_slow, is_undecided
+from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_slow, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
 
@@ -71,7 +70,7 @@ def alternatives_sentence(diagnosis: Mapping[str, Any]) -> str:
     """Name what the record cannot tell from the cause, or say that there is nothing."""
     if diagnosis["verdict"] == "unknown":
         return "Which effect it is: none of the listed ones fits well enough to be named."
-    if diagnosis["verdict"] == "none" and is_too_slow(diagnosis):
+    if is_too_slow(diagnosis):
         return "Whether an effect hides in what the current does between two rows."
     own, others = _apart(diagnosis)
     subject, rivals = cause_title(own), [_rival_title(other) for other in others]
@@ -188,10 +187,10 @@ def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
 def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
     """Say what to do with the answer, and then how to settle what it leaves open."""
     verdict, designed = diagnosis["verdict"], designed_of(diagnosis)
-    if verdict == "none" and is_too_slow(diagnosis):
+    if is_too_slow(diagnosis):
         return "Log at least ten times faster, or the settled positions at held currents, and diagnose that."
     if is_undecided(diagnosis):
-        return f"A second record of the valve, with slower and faster strokes, decides it. {designed or ''}".rstrip()
+        return f"A second record of the valve, with slower and faster strokes, decides it. {designed}".rstrip()
     if verdict == "none":
         later = designed or "Look for effects again only where a new record shows a gap."
         return f"Use the refitted model (base.json). {later}"

@@ -11,6 +11,8 @@ from valvemodel.declarations import STAGES
 
 SURE, LIKELY = 0.9, 0.6
 """Probabilities from which a cause is named without reserve, and as the most likely one."""
+MOST_OF_THE_NOISE = 0.7
+"""Share of the noise, root mean square, above which something is most of it."""
 WORTH_SAYING = 0.05
 """Probability from which another cause is mentioned on the first screen."""
 
@@ -34,6 +36,20 @@ def family_probability(diagnosis: Mapping[str, Any]) -> float | None:
     family.discard(frozenset(found["effects"]))
     others = (cause for cause in diagnosis.get("causes") or () if frozenset(cause["effects"]) in family)
     return min(1.0, found["probability"] + sum(each["probability"] or 0.0 for each in others))
+
+
+def is_too_slow(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether nothing is missing as far as a record shows whose noise is mostly what it has not between rows."""
+    gap = diagnosis.get("gap") or {}
+    missed, floor = gap.get("sampling_error"), gap.get("noise_floor")
+    is_most = is_number(missed) and is_number(floor) and missed > MOST_OF_THE_NOISE * floor
+    return diagnosis["verdict"] == "none" and is_most
+
+
+def is_undecided(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether that nothing is missing is the first of several answers of which none is likely."""
+    probability = family_probability(diagnosis)
+    return diagnosis["verdict"] == "none" and probability is not None and probability < LIKELY
 
 
 def own_stages(diagnosis: Mapping[str, Any]) -> list[str]:

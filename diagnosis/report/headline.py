@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from diagnosis.report.amounts import is_number, probability_text
-from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause
+from diagnosis.report.amounts import amount, is_number, probability_text
+from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause, is_too_slow, is_undecided
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, likelihood, listed
-
-_MOST_OF_THE_NOISE = 0.7
-"""Share of the noise, root mean square, above which something is most of it."""
 
 _EXPLAINED = 3
 """Effects that are explained under the headline; more would hide the answer."""
@@ -41,19 +38,6 @@ def headline_of(diagnosis: Mapping[str, Any]) -> str:
     return f"The model {sure}lacks {name}."
 
 
-def is_too_slow(diagnosis: Mapping[str, Any]) -> bool:
-    """Return whether most of what counts as noise is what the current may have done between the rows."""
-    gap = diagnosis.get("gap") or {}
-    missed, floor = gap.get("sampling_error"), gap.get("noise_floor")
-    return is_number(missed) and is_number(floor) and missed > _MOST_OF_THE_NOISE * floor
-
-
-def is_undecided(diagnosis: Mapping[str, Any]) -> bool:
-    """Return whether that nothing is missing is the first of several answers of which none is likely."""
-    probability = family_probability(diagnosis)
-    return diagnosis["verdict"] == "none" and probability is not None and probability < LIKELY
-
-
 def _family_title(own: Sequence[str], rivals: Sequence[Sequence[str]]) -> str:
     """Name a cause with those that look the same, their common effects once."""
     if not rivals:
@@ -68,7 +52,7 @@ def _family_title(own: Sequence[str], rivals: Sequence[Sequence[str]]) -> str:
 
 def tag_of(diagnosis: Mapping[str, Any]) -> str:
     """Return the kind of answer in two or three words."""
-    if diagnosis["verdict"] == "none" and (is_too_slow(diagnosis) or is_undecided(diagnosis)):
+    if is_too_slow(diagnosis) or is_undecided(diagnosis):
         return "Cannot tell"
     if diagnosis["verdict"] != "effect":
         return {"none": "No effect missing", "unknown": "Cause unknown"}.get(diagnosis["verdict"], "")
@@ -84,7 +68,7 @@ def explanation_of(diagnosis: Mapping[str, Any]) -> str:
         if is_too_slow(diagnosis):
             return (
                 "What the current does between two rows is not in the record, and moves the stem by about "
-                f"{1e3 * diagnosis['gap']['sampling_error']:.2g} mm: any effect smaller than that goes unseen."
+                f"{amount(diagnosis['gap']['sampling_error'], 'm')}: any effect smaller than that goes unseen."
             )
         if is_undecided(diagnosis):
             return (
@@ -126,7 +110,7 @@ def confidence_of(diagnosis: Mapping[str, Any]) -> str:
     else:
         probability = found.get("probability")
         subject = "This" if diagnosis["verdict"] == "effect" else "That nothing is missing"
-        if diagnosis["verdict"] == "none" and is_too_slow(diagnosis):
+        if is_too_slow(diagnosis):
             subject += ", beside what goes unseen,"
     if probability is None or not is_number(probability):
         return ""

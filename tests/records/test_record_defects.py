@@ -326,6 +326,15 @@ def test_doubt_is_a_warning(doubt, tmp_path):
         assert word in said, f"{word!r} not in {said}"
 
 
+def test_a_stem_that_swings_against_its_force_is_no_reverse_acting_valve(tmp_path):
+    """A mass that a force swings without a spring goes against it."""
+    swing = [math.sin(0.06 * number) for number in range(500)]
+    rows = [f"{0.02 * number:.2f},{-100 * each:.3f},{100 + 50 * each:.3f}" for number, each in enumerate(swing)]
+    path = tmp_path / "stem.csv"
+    path.write_text("\n".join(["time [s],force [N],position [mm]", *rows]) + "\n")
+    assert not any("reverse" in warning for warning in read_record(path).warnings)
+
+
 def test_noise_alone_is_no_motion(tmp_path):
     noise = np.random.default_rng(1).normal(120, 0.15, 400)
     rows = [f"{i * 0.02:.2f},{12 + 8 * math.sin(i / 40):.4f},{noise[i]:.3f}" for i in range(400)]

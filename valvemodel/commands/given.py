@@ -104,14 +104,15 @@ _KINDS = {
 }
 
 
+_ONCE = "a record is given once (one is kept back to score on)"
+
+
 def _check_each_once(paths: Sequence[Path]) -> None:
     seen: set[Path] = set()
     for path in paths:
         place = path.resolve()
         if place in seen:
-            raise InputError(
-                "a record is given once (one is kept back to score on)", f"{path} came twice", "name it once"
-            )
+            raise InputError(_ONCE, f"{path} came twice", "name it once")
         seen.add(place)
 
 
@@ -123,7 +124,7 @@ def _check_no_copies(records: Sequence[Record]) -> None:
         content = b"".join(each.tobytes() for each in signals if each is not None)
         if content in seen:
             raise InputError(
-                "a record is given once (one is kept back to score on)",
+                _ONCE,
                 f"{record.source or record.name} has the same samples as {seen[content].source or seen[content].name}",
                 "give another record of the valve, or this one alone",
             )

@@ -42,6 +42,14 @@ def form_of(text: str) -> str | None:
     return None
 
 
+def first_form(cells: polars.Series) -> str | None:
+    """Return the form of the first cell's date and time of day, if it is one."""
+    first = cells.drop_nulls().head(1)
+    if first.dtype != polars.String or not len(first):
+        return None
+    return form_of(first[0].strip())
+
+
 def read_clock(texts: polars.Series, form: str, where: str) -> tuple[polars.Series, bool]:
     """Return nanoseconds since some instant, null where a text is of another form.
 

@@ -10,7 +10,7 @@ import polars
 
 from valvemodel.errors import InputError
 from valvemodel.quantities import scale_of
-from valvemodel.records.clock import form_of, read_clock
+from valvemodel.records.clock import first_form, read_clock
 from valvemodel.records.header import DIMENSIONS, missing_unit
 from valvemodel.records.sheet import Header, Sheet
 
@@ -79,7 +79,7 @@ def has_decimal_comma(columns: list[Cells]) -> bool:
     commas, points = 0, 0
     first: dict[str, tuple[int, Cells]] = {}
     for cells in columns:
-        if cells.series.dtype != polars.String or (cells.name == "time" and _clock_form(cells)):
+        if cells.series.dtype != polars.String or (cells.name == "time" and first_form(cells.series)):
             continue
         has_comma = cells.series.str.contains(",", literal=True).fill_null(False)
         if not has_comma.any():
@@ -172,21 +172,13 @@ def _bad_cell(cells: Cells, rows: npt.NDArray[np.intp]) -> InputError:
     return InputError("each cell holds a number", f"{where}: {str(cell)[:40]!r} is text{more}", remedy)
 
 
-def _clock_form(cells: Cells) -> str | None:
-    """Return the form of the first cell's date and time of day, if it is one."""
-    series = cells.series.drop_nulls().head(1)
-    if series.dtype != polars.String or not len(series):
-        return None
-    return form_of(series[0].strip())
-
-
 def _read_time_of_day(cells: Cells) -> Column | None:
     """Return the seconds since the first date and time, or None where time is a number."""
     notes: list[str] = []
     if isinstance(cells.series.dtype, polars.Datetime):
         nanoseconds = cells.series.dt.cast_time_unit("ns").cast(polars.Int64)
         form, has_seconds = "date and time", True
-    elif form := _clock_form(cells) or "":
+    elif form := first_form(cells.series) or "":
         texts = cells.series.str.strip_chars()
         where = f"{cells.sheet.name}: column {cells.header.text!r}"
         nanoseconds, has_seconds = read_clock(texts, form, where)

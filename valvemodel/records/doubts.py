@@ -51,7 +51,8 @@ def doubts(measurement: Measurement, *, is_moving: bool) -> list[str]:
                 found += _reading(measurement, name)
         drive = "current" if "current" in columns else "force"
         found += _direction(measurement, drive)
-        found += _sense(measurement, drive)
+        if drive == "current" and "position" in columns:
+            found += _sense(measurement)
     return found
 
 
@@ -189,15 +190,13 @@ def _direction(measurement: Measurement, name: str) -> list[str]:
     return []
 
 
-def _sense(measurement: Measurement, drive: str) -> list[str]:
-    if not {drive, "position"} <= measurement.columns.keys():
-        return []
-    given, position = measurement.values(drive), measurement.values("position")
-    if min(np.ptp(given), np.ptp(position)) == 0.0 or np.corrcoef(given, position)[0, 1] > _AGAINST:
+def _sense(measurement: Measurement) -> list[str]:
+    current, position = measurement.values("current"), measurement.values("position")
+    if min(np.ptp(current), np.ptp(position)) == 0.0 or np.corrcoef(current, position)[0, 1] > _AGAINST:
         return []
     end = "100 %" if measurement.columns["position"].is_percent else "the end of the travel"
     return [
-        f"position falls while {drive} rises, and the model's stem rises: of a reverse-acting valve, count the position"
+        "position falls while current rises, and the model's stem rises: of a reverse-acting valve, count the position"
         f" from the other end ({end} less the reading)"
     ]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from valvemodel.errors import InputError
 from valvemodel.quantities import is_unit_of
 from valvemodel.records.checks import check_column, check_length, check_motion
-from valvemodel.records.clock import form_of
+from valvemodel.records.clock import first_form
 from valvemodel.records.column import Cells, Column, has_decimal_comma, read_column
 from valvemodel.records.delimited import read_delimited
 from valvemodel.records.doubts import doubts
@@ -193,8 +193,7 @@ def _check_no_times(sheet: Sheet, found: dict[str, list[int]]) -> None:
     unread = [number for number in range(len(sheet.headers)) if number not in read]
     for number, series in zip(unread, sheet.read(unread), strict=True):
         header = sheet.headers[number]
-        first = next((str(each).strip() for each in series if each is not None and str(each).strip()), "")
-        if (header.unit and is_unit_of(header.unit, DIMENSIONS["time"])) or form_of(first):
+        if (header.unit and is_unit_of(header.unit, DIMENSIONS["time"])) or first_form(series):
             raise unread_time(header, sheet)
 
 
