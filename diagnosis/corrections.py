@@ -97,33 +97,49 @@ class Corrected:
     @property
     def width(self) -> int:
         """Samples of a mean."""
-        return -(-len(self.experiment.time) // MOST_MEANS)
+        return width_of_means(len(self.experiment.time))
 
     def readings(self, knots: np.ndarray) -> np.ndarray:
         """Return the readings for knots, shape (k, knots), as an array, shape (k, n). [m]"""
         shifts = knots @ self.hats.T
         if self.place != PLACES[0]:
             return self.reading + self.experiment.noise * shifts
-        readings = np.empty(shifts.shape)
-        states, memories = np.zeros(1, STATE), np.zeros(1, MEMORY)
-        for number, drive in enumerate(self.pressure + self.pressure_of_noise * shifts):
-            runs.run_chain(
-                self.rows, states, memories, self.experiment.time, drive, runs.FREE, chain.PRESSURE,
-                SEARCH_TOLERANCE, readings[number : number + 1], runs.NONE, runs.NONE,
-            )  # fmt: skip
-        return readings
+        rows = np.repeat(self.rows, len(shifts))
+        return run_with_pressures(rows, self.experiment, self.pressure + self.pressure_of_noise * shifts)
 
     def missed(self, knots: np.ndarray) -> np.ndarray:
         """Return what is missed of the readings, in means of neighbouring samples, shape (k, means). [noise]"""
-        missed = (self.experiment.position - self.readings(knots)) / self.experiment.noise
-        starts = np.arange(0, missed.shape[1], self.width)
-        known = np.isfinite(missed)
-        counts = np.maximum(np.add.reduceat(known, starts, axis=1, dtype=int), 1)
-        return np.asarray(np.add.reduceat(np.where(known, missed, 0.0), starts, axis=1) / counts)
+        return in_means((self.experiment.position - self.readings(knots)) / self.experiment.noise)[0]
 
     def jacobian(self, knots: np.ndarray, missed: np.ndarray) -> np.ndarray:
         """Return by how much the means of the readings move with each knot, shape (means, knots). [noise]"""
         return (missed - self.missed(knots + NUDGE * np.eye(len(knots)))).T / NUDGE
+
+
+def run_with_pressures(rows: np.ndarray, experiment: Experiment, pressures: np.ndarray) -> np.ndarray:
+    """Return the readings of an experiment that each row of numbers makes of its own pressures, shape (p, n). [m]"""
+    readings = np.empty(pressures.shape)
+    states, memories = np.zeros(1, STATE), np.zeros(1, MEMORY)
+    for number, drive in enumerate(pressures):
+        part = slice(number, number + 1)
+        runs.run_chain(
+            rows[part], states, memories, experiment.time, drive, runs.FREE, chain.PRESSURE, SEARCH_TOLERANCE,
+            readings[part], runs.NONE, runs.NONE,
+        )  # fmt: skip
+    return readings
+
+
+def width_of_means(count: int) -> int:
+    """Return how many neighbouring samples of so many go into a mean."""
+    return -(-count // MOST_MEANS)
+
+
+def in_means(errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the means of neighbouring errors, shape (p, n), and how many were known of each, both (p, means)."""
+    starts = np.arange(0, errors.shape[1], width_of_means(errors.shape[1]))
+    known = np.isfinite(errors)
+    counts = np.maximum(np.add.reduceat(known, starts, axis=1, dtype=int), 1)
+    return np.add.reduceat(np.where(known, errors, 0.0), starts, axis=1) / counts, counts
 
 
 @threadpool_limits.wrap(limits=1)

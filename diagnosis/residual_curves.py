@@ -8,13 +8,22 @@ from typing import Any
 
 import numpy as np
 
+from diagnosis.own_signals import Explained
 from diagnosis.score import persistence_of
 from identification.experiment import Experiment
-from identification.fit import Fit
+from identification.fit import Fit, simulate_model
 from identification.inverse_dynamics import fit_stem, prepare_signals
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import Record
+
+SEEN_BY = {
+    "electromagnet": ("current", "time"),
+    "nozzle": ("pressure", "time"),
+    "stem": ("position", "speed", "pressure", "time"),
+    "sensor": ("position", "speed", "time"),
+}
+"""Quantities over which what a stage would have to do by its own signals is shown."""
 
 BINS = 16
 FEWEST = 12
@@ -124,6 +133,41 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
     residual, direction = _joined(residuals), _joined(directions)
     yield from curves_against("force", "N", "stem", residual, against)
     yield from curves_against("friction", "N", "stem", residual * direction, against)
+
+
+def curves_of_own_signals(explained: Sequence[Explained], base: Fit) -> list[Curve]:
+    """Return the curves of what each stage would have to do by its own signals, beyond the base.
+
+    The force is what the stem would have to overcome beside its own, taken while it moves.
+    """
+    curves: list[Curve] = []
+    for each in explained:
+        experiment, values = each.experiment, base.model.values
+        run = simulate_model(base.model, experiment, start_position=each.start)
+        pressure, position = run.pressure[0], run.position[0]
+        speed = _slope(position, experiment.time)
+        direction = np.where(run.mode[0] == 0.0, np.nan, run.mode[0])
+        shift = each.values * values["spring_rate"] / values["diaphragm_area"]
+        quantities = {
+            "current": ("A", experiment.current),
+            "pressure": ("Pa", pressure),
+            "position": ("m", position),
+            "speed": ("m/s", speed),
+            "time": ("s", experiment.record_time),
+        }
+        force = -values["spring_rate"] * each.values * np.abs(direction)
+        signals = {
+            "electromagnet": {"gap": ("m", gap_at(pressure + shift, base.model) - gap_at(pressure, base.model))},
+            "nozzle": {"pressure": ("Pa", shift)},
+            "stem": {"force": ("N", force), "friction": ("N", force * direction)},
+            "sensor": {"reading": ("m", each.values)},
+        }
+        for signal, (unit, residual) in signals[each.stage].items():
+            against = {name: quantities[name] for name in SEEN_BY[each.stage]}
+            found = curves_against(signal, unit, f"{each.stage}, by its own signals", residual, against)
+            # Whatever a record shows goes with the time in it: that says least.
+            curves += sorted(found, key=lambda curve: (curve.against == "time", -curve.share))
+    return curves
 
 
 def curves_against(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from diagnosis.corrections import PLACES, Correction, smallest_correction, stretch_of
+from diagnosis.own_signals import Explained, explained_by_stages
 from diagnosis.residual_curves import gap_at
 from diagnosis.stage_gaps import BACK, FRONT, StageGaps, rms, stage_gaps
 from identification.experiment import Experiment
@@ -71,12 +73,15 @@ class Where:
         term is None where nothing adds up: each correction alone would explain the record.
     record : str or None
         The one record that was corrected.
+    explained : list of Explained
+        What each stage explains by its own signals, where that was asked.
     """
 
     stages: list[StageGap]
     total: float
     cross_term: float | None
     record: str | None = None
+    explained: list[Explained] = field(default_factory=list)
 
     @property
     def measured_shares(self) -> list[tuple[tuple[str, ...], float]]:
@@ -88,10 +93,13 @@ class Where:
         return {
             "stages": [vars(each) | {"stages": list(each.stages)} for each in self.stages],
             "stages_sum": {"unit": "m", "total": self.total, "cross_term": self.cross_term, "record": self.record},
+            "own_signals": [each.as_json() for each in self.explained],
         }
 
 
-def where_of(experiments: Sequence[Experiment], base: Fit) -> Where:
+def where_of(
+    experiments: Sequence[Experiment], base: Fit, *, is_unknown: bool = False, pool: Executor | None = None
+) -> Where:
     """Say what each stage answers for: by the measured pressure where all records have it, else by corrections.
 
     Parameters
@@ -99,10 +107,16 @@ def where_of(experiments: Sequence[Experiment], base: Fit) -> Where:
     experiments : sequence of Experiment
     base : Fit
         Of the base to all of them.
+    is_unknown : bool
+        Whether no cause was found, so that each stage is asked what its own signals explain.
+    pool : Executor or None
+        Whose processes are used.
     """
     if all(experiment.pressure is not None for experiment in experiments):
         return of_measured(stage_gaps(experiments, base), experiments)
-    return of_corrections(experiments, base)
+    stretch, start = most_missed(experiments, base)
+    explained = explained_by_stages(stretch, base, start, pool) if is_unknown else []
+    return replace(of_corrections(stretch, base, start), explained=explained)
 
 
 def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
@@ -126,12 +140,16 @@ def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
     )  # fmt: skip
 
 
-def of_corrections(experiments: Sequence[Experiment], base: Fit) -> Where:
-    """Correct the output of each stage in turn, in the record that the base misses most."""
+def most_missed(experiments: Sequence[Experiment], base: Fit) -> tuple[Experiment, float]:
+    """Return the record that the base misses most, or a stretch of it, and the first reading of the base there. [m]"""
     errors = [each.position - base.simulated_on(each).position[0] for each in experiments]
     number = int(np.argmax([rms([error]) / each.noise for error, each in zip(errors, experiments, strict=True)]))
     stretch, first = stretch_of(experiments[number], errors[number])
-    start = base.starts[number] if first == 0 else stretch.first_reading
+    return stretch, base.starts[number] if first == 0 else stretch.first_reading
+
+
+def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
+    """Correct the output of each stage in turn."""
     before, after = (smallest_correction(stretch, base, start, place) for place in PLACES)
     simulated = simulate_model(base.model, stretch, start_position=start)
     missed = rms([stretch.position - simulated.position[0]])

@@ -42,7 +42,8 @@ def where_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
         names = [f"the {each.name} ({each.probability_text})" for each in likely]
         sentences.append(f"Most likely in {listed(names, 'or')}.")
         if diagnosis["verdict"] == "unknown":
-            sentences.append("That is judged by which effects come nearest to it.")
+            also = " and by what the signals of each stage explain" if where.get("own_signals") else ""
+            sentences.append(f"That is judged by which effects come nearest to it{also}.")
     elif where.get("stage"):
         stage = where["stage"]
         sentences.append(f"In the {stage} ({STAGE_PARTS.get(stage, stage)}).")

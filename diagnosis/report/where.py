@@ -55,7 +55,7 @@ def where_section(diagnosis: Mapping[str, Any]) -> WhereSection:
     stages = where.get("stages") or ()
     regime_map = where.get("regime_map") or {"rows": (), "columns": ()}
     is_measured = _is_measured(stages)
-    sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where)
+    sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where) + _own_sentences(where)
     return WhereSection(
         is_measured,
         sentences,
@@ -130,6 +130,19 @@ def _corrected_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
         "This alone names no stage: a gap, a pressure and a force on the stem are one correction in three units, and"
         " friction lets a regular correction before it look like a small, less regular one of the reading. A measured"
         " pressure would tell the halves of the chain apart.",
+    )
+
+
+def _own_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
+    """Say what each stage explains by its own signals, where that was asked."""
+    own = where.get("own_signals") or ()
+    if not own:
+        return ()
+    closed = [f"the {each['stage']} {percent(each['gap_closed'])}" for each in own]
+    return (
+        "An effect can only depend on what goes through its stage, and on time. Corrections that do so, of current,"
+        " pressure, position and speed, or of the position that is read, would close in"
+        f" {listed(closed)} of the squared gap.",
     )
 
 

@@ -141,6 +141,14 @@ def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(monkeypatch
     assert (judged.unknown > 0.3) == (lost == judgement.MOST_IMITATED)
 
 
+@pytest.mark.parametrize(("alone", "lost"), [(40.0, 0.0), (2.8, judgement.MOST_IMITATED)])
+def test_what_takes_away_all_but_hundredths_of_what_the_other_leaves_imitates_nothing(monkeypatch, alone, lost):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    single = candidate(alone, "magnetic_saturation")
+    pair = candidate(1.25, "magnetic_saturation", "asymmetric_friction")
+    assert judge([candidate(400.0), single, pair]).lost[2] == pytest.approx(lost)
+
+
 @pytest.mark.parametrize(("trace", "lost"), [(2.0, 4.0), (0.5, 0.0)])
 def test_a_series_of_waves_loses_to_what_comes_nearer_by_one_more_effect(monkeypatch, trace, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)

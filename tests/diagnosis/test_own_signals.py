@@ -1,0 +1,135 @@
+"""Each stage is asked what its own signals explain: plants of an independent route whose effect has no name here."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.own_signals import OF_STAGE, Explained, Seen, explained_by_stages, play
+from diagnosis.report.where import where_section
+from diagnosis.residual_curves import curves_of_own_signals
+from diagnosis.stages import with_own_signals
+from diagnosis.where import where_of
+from identification.experiment import Experiment, experiment_of
+from identification.fit import Fit, fit_base
+from valvemodel.declarations import STAGES
+from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
+from valvemodel.records import Record
+
+EFFECTS = (
+    "gap_drift", "coil_lag", "supply_droop", "chamber_filling", "friction_drift", "position_dependent_friction",
+    "asymmetric_viscous_friction", "sensor_lag",
+)  # fmt: skip
+
+
+def fitted(given: Model, effects: tuple[str, ...], seed: int) -> tuple[Experiment, Fit]:
+    taken = measure(draw_plant(seed, effects), seed + 1000, duration=100.0)
+    experiment = experiment_of(Record.from_arrays(name="plant", **taken))
+    return experiment, fit_base(given, [experiment])
+
+
+def asked(experiment: Experiment, base: Fit) -> list[Explained]:
+    return explained_by_stages(experiment, base, base.starts[0], None)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_stage_of_an_effect_explains_most_by_its_own_signals(given: Model, effect: str) -> None:
+    found = asked(*fitted(given, (effect,), seed=21))
+    assert effect_of_key(effect).stage in [each.stage for each in found[:2]]
+    assert found[0].closed > 0.6
+    # Another stage has not what it takes.
+    assert found[0].excess < 0.5 * found[-1].excess
+
+
+def test_what_is_explained_is_what_was_added(given: Model) -> None:
+    """A creep of the reading is found in size and course, laid on top of what the base reads."""
+    experiment, base = fitted(given, (), seed=22)
+    run = base.simulated_on(experiment)
+    added = 6e-3 * (experiment.time / experiment.time[-1]) ** 2
+    noise = experiment.noise * np.random.default_rng(3).standard_normal(len(added))
+    found = asked(replace(experiment, position=run.position[0] + added + noise), base)
+    assert found[0].stage == "sensor"
+    assert found[0].left < 1.1 * experiment.noise < 5.0 * experiment.noise < found[0].missed
+    # The base valve may take its part of what goes with the position.
+    assert np.corrcoef(found[0].values, added)[0, 1] > 0.9
+    assert np.std(found[0].values) == pytest.approx(np.std(added), rel=0.2)
+
+
+def test_functions_see_no_more_than_their_stage() -> None:
+    """A stage's functions stay as they are when what goes through another stage is changed."""
+    generator = np.random.default_rng(0)
+    signals = {name: np.cumsum(generator.standard_normal(400)) for name in ("current", "pressure", "position")}
+    signals |= {"speed": generator.standard_normal(400), "friction": generator.uniform(-1.0, 1.0, 400)}
+    seen = Seen(0.02 * np.arange(400), **{name: each - each.min() for name, each in signals.items()})
+    others = {"electromagnet": "position", "nozzle": "current", "stem": "current", "sensor": "pressure"}
+    for stage, other in others.items():
+        changed = replace(seen, **{other: getattr(seen, other)[::-1]})
+        assert np.array_equal(OF_STAGE[stage](seen), OF_STAGE[stage](changed)), stage
+
+
+def test_play_lags_by_its_half_width() -> None:
+    there_and_back = np.concatenate([np.linspace(0.0, 1.0, 101), np.linspace(1.0, 0.0, 101)])
+    behind = there_and_back + play(there_and_back, 0.1)
+    assert behind[100] == pytest.approx(0.9)
+    assert behind[-1] == pytest.approx(0.1)
+    assert not np.diff(behind[101:121]).any()
+
+
+def test_what_a_stage_leaves_weighs_its_hint() -> None:
+    experiment = replace(experiment_of_nothing(), noise=1e-4)
+    left = dict(zip(STAGES, (2e-4, 1e-3, 1.1e-4, 1e-3), strict=True))
+    explained = [Explained(stage, experiment, 0.0, np.zeros(3), each, 2e-3) for stage, each in left.items()]
+    weighed = with_own_signals(dict.fromkeys(STAGES, 0.25), explained)
+    assert sum(weighed.values()) == pytest.approx(1.0)
+    assert sorted(weighed, key=lambda stage: -weighed[stage])[:2] == ["stem", "electromagnet"]
+    assert with_own_signals(dict.fromkeys(STAGES, 0.25), []) == dict.fromkeys(STAGES, 0.25)
+
+
+def experiment_of_nothing() -> Experiment:
+    time = 0.02 * np.arange(3)
+    return Experiment("nothing", time, 0.0 * time, 0.0 * time, None, 1.0, 1.0, np.zeros(3, int))
+
+
+def test_settled_loop_is_asked_without_what_acts_in_time(given: Model) -> None:
+    up = np.linspace(5e-3, 19e-3, 40)
+    current = np.concatenate([up, up[::-1]])
+    position = 0.2 * ((current - 4e-3) / 16e-3) ** 1.5 + 2e-3 * np.sign(np.gradient(current))
+    loop = experiment_of(Record.from_arrays(name="loop", current=current, position=position))
+    base = fit_base(given, [loop])
+    found = asked(loop, base)
+    assert {each.stage for each in found} == set(STAGES)
+    assert all(np.isfinite(each.left) and each.left <= each.missed * (1.0 + 1e-9) for each in found)
+
+
+def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) -> None:
+    experiment, base = fitted(given, ("position_dependent_friction",), seed=21)
+    where = where_of([experiment], base, is_unknown=True)
+    content = where.as_json()
+    json.dumps(content, allow_nan=False)
+    assert {each["stage"] for each in content["own_signals"]} == set(STAGES)
+    assert "what goes through its stage" in where_section({"where": content}).sentences[-1]
+    stem = [each for each in where.explained if each.stage == "stem"]
+    curves = curves_of_own_signals(stem, base)
+    assert {curve.signal for curve in curves} == {"force", "friction"}
+
+
+@pytest.mark.parametrize("seed", [21, 23])
+def test_friction_over_position_shows_where_the_tight_spot_is(given: Model, seed: int) -> None:
+    plant = draw_plant(seed, ("position_dependent_friction",))
+    experiment, base = fitted(given, ("position_dependent_friction",), seed)
+    stem = [each for each in asked(experiment, base) if each.stage == "stem"]
+    curves = {(curve.signal, curve.against): curve for curve in curves_of_own_signals(stem, base)}
+    curve = curves["friction", "position"]
+    true_place = next(each.parameters["centre"] for each in plant.effects if not each.nuisance)
+    assert curve.at[np.argmax(curve.mean)] == pytest.approx(true_place, abs=0.02)
+    assert curve.unit == "N"
+
+
+def test_nothing_is_asked_where_a_cause_was_found(given: Model) -> None:
+    experiment, base = fitted(given, (), seed=22)
+    assert where_of([experiment], base).as_json()["own_signals"] == []
