@@ -45,7 +45,7 @@ GRID = 33
 LEAST_SIZE = 1e-3
 """A function is left out whose root mean square is less; that of the signals themselves is some tenths."""
 
-UNIT, SPREAD, SPREAD_BASE = 0.01, 2.0, 0.2
+UNIT, SPREAD, SPREAD_BASE = 0.01, 0.2, 0.02
 """What a function of 1 shifts the reading by, over the range of the readings; the prior spread of that, and of what the
 base valve's scaled numbers move: of corrections that explain the same it is the least that is told."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -136,9 +137,9 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
 
 
 def curves_of_own_signals(explained: Sequence[Explained], base: Fit) -> list[Curve]:
-    """Return the curves of what each stage would have to do by its own signals, beyond the base.
+    """Return the curves of what each stage would have to do by its own signals, beyond what its own numbers can.
 
-    The force is what the stem would have to overcome beside its own, taken while it moves.
+    The force is what the stem would have to overcome beside spring and friction, taken while it moves.
     """
     curves: list[Curve] = []
     for each in explained:
@@ -155,19 +156,32 @@ def curves_of_own_signals(explained: Sequence[Explained], base: Fit) -> list[Cur
             "speed": ("m/s", speed),
             "time": ("s", experiment.record_time),
         }
-        force = -values["spring_rate"] * each.values * np.abs(direction)
+        force = beyond(-values["spring_rate"] * each.values * np.abs(direction), position, speed, direction)
+        gap = gap_at(pressure + shift, base.model) - gap_at(pressure, base.model)
         signals = {
-            "electromagnet": {"gap": ("m", gap_at(pressure + shift, base.model) - gap_at(pressure, base.model))},
-            "nozzle": {"pressure": ("Pa", shift)},
+            "electromagnet": {"gap": ("m", beyond(gap, np.sqrt(experiment.current)))},
+            "nozzle": {"pressure": ("Pa", beyond(shift, pressure))},
             "stem": {"force": ("N", force), "friction": ("N", force * direction)},
-            "sensor": {"reading": ("m", each.values)},
+            "sensor": {"reading": ("m", beyond(each.values, position))},
         }
+        told: list[list[Curve]] = []
         for signal, (unit, residual) in signals[each.stage].items():
             against = {name: quantities[name] for name in SEEN_BY[each.stage]}
-            found = curves_against(signal, unit, f"{each.stage}, by its own signals", residual, against)
+            found = list(curves_against(signal, unit, f"{each.stage}, by its own signals", residual, against))
             # Whatever a record shows goes with the time in it: that says least.
-            curves += sorted(found, key=lambda curve: (curve.against == "time", -curve.share))
+            told.append(sorted(found, key=lambda curve: (curve.against == "time", -curve.share)))
+        told.sort(key=lambda of_signal: -max((curve.share for curve in of_signal[:1]), default=0.0))
+        curves += chain.from_iterable(told)
     return curves
+
+
+def beyond(residual: np.ndarray, *terms: np.ndarray) -> np.ndarray:
+    """Return a residual less its least-squares fit by a constant and some terms, shape (n,); NaN where it is."""
+    known = np.isfinite(residual)
+    columns = np.stack([np.ones(len(residual)), *terms], axis=1)
+    left = np.full(len(residual), np.nan)
+    left[known] = residual[known] - columns[known] @ np.linalg.lstsq(columns[known], residual[known])[0]
+    return left
 
 
 def curves_against(

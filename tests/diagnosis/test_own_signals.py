@@ -11,7 +11,7 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.own_signals import OF_STAGE, Explained, Seen, explained_by_stages, play
 from diagnosis.report.where import where_section
-from diagnosis.residual_curves import curves_of_own_signals
+from diagnosis.residual_curves import Curve, curves_of_own_signals
 from diagnosis.stages import with_own_signals
 from diagnosis.where import where_of
 from identification.experiment import Experiment, experiment_of
@@ -118,16 +118,25 @@ def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) 
     assert {curve.signal for curve in curves} == {"force", "friction"}
 
 
+def curves_of_stem(given: Model, effect: str, seed: int) -> list[Curve]:
+    experiment, base = fitted(given, (effect,), seed)
+    return curves_of_own_signals([each for each in asked(experiment, base) if each.stage == "stem"], base)
+
+
 @pytest.mark.parametrize("seed", [21, 23])
 def test_friction_over_position_shows_where_the_tight_spot_is(given: Model, seed: int) -> None:
     plant = draw_plant(seed, ("position_dependent_friction",))
-    experiment, base = fitted(given, ("position_dependent_friction",), seed)
-    stem = [each for each in asked(experiment, base) if each.stage == "stem"]
-    curves = {(curve.signal, curve.against): curve for curve in curves_of_own_signals(stem, base)}
-    curve = curves["friction", "position"]
+    curve = curves_of_stem(given, "position_dependent_friction", seed)[0]
+    assert (curve.signal, curve.against, curve.unit) == ("friction", "position", "N")
     true_place = next(each.parameters["centre"] for each in plant.effects if not each.nuisance)
-    assert curve.at[np.argmax(curve.mean)] == pytest.approx(true_place, abs=0.02)
-    assert curve.unit == "N"
+    assert curve.at[np.argmax(curve.mean)] == pytest.approx(true_place, abs=0.015)
+    assert curve.share > 0.5
+
+
+def test_friction_that_differs_up_and_down_goes_with_the_speed(given: Model) -> None:
+    curve = curves_of_stem(given, "asymmetric_viscous_friction", 21)[0]
+    assert curve.against == "speed"
+    assert curve.share > 0.5
 
 
 def test_nothing_is_asked_where_a_cause_was_found(given: Model) -> None:
