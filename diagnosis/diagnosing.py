@@ -308,7 +308,9 @@ def diagnose_with(
     curves: list[Curve] = []
     if verdict == "unknown":
         named_by_own = [each for each in stage_gaps.explained if each.stage in named[:MOST_OPEN]]
-        curves = residual_curves(experiments, whole_base) + curves_of_own_signals(named_by_own, whole_base)
+        curves = residual_curves(experiments, whole_base)
+        signals = {curve.signal for curve in curves}
+        curves += [each for each in curves_of_own_signals(named_by_own) if each.signal not in signals]
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
     modes = [run.mode[0] for run in runs]

@@ -8,7 +8,7 @@ beside them, tells stages apart that the place of a correction alone does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -23,8 +23,9 @@ from identification.problem import SEARCH_TOLERANCE, Problem
 from identification.search import Slopes
 from identification.unknowns import start_unknown
 from valvemodel.declarations import STAGES
+from valvemodel.model import Model
 
-KNOTS = 6
+KNOTS = 10
 """Places along the range of a signal between which a function of it is linear."""
 
 PLAYS, LAGS, SLOW = (0.02, 0.06, 0.15), (0.03, 0.1, 0.3), (2.0, 8.0)
@@ -174,6 +175,8 @@ class Explained:
     ----------
     stage : str
     experiment : Experiment
+    model : Model
+        The base valve.
     start : float [m]
         First reading of the base valve.
     values : array, shape (n,) [m]
@@ -184,6 +187,7 @@ class Explained:
 
     stage: str
     experiment: Experiment
+    model: Model
     start: float
     values: np.ndarray
     left: float
@@ -282,8 +286,10 @@ class Corrected:
         return found.x[self.own :] @ self.functions, float(np.sqrt(np.nanmean(left**2)))
 
 
-def explained_by_stages(experiment: Experiment, base: Fit, start: float, pool: Executor | None) -> list[Explained]:
-    """Return what each stage explains of an experiment by its own signals, the stage that leaves least first.
+def explained_by_stages(
+    experiment: Experiment, base: Fit, start: float, stages: Sequence[str], pool: Executor | None
+) -> list[Explained]:
+    """Return what each of some stages explains of an experiment by its own signals, that which leaves least first.
 
     Parameters
     ----------
@@ -292,10 +298,11 @@ def explained_by_stages(experiment: Experiment, base: Fit, start: float, pool: E
         Of the base valve.
     start : float [m]
         First reading of the base.
+    stages : sequence of str
     pool : Executor or None
         Whose processes are used.
     """
-    found = list((pool.map if pool else map)(partial(explained_by, experiment, base, start), OF_STAGE))
+    found = list((pool.map if pool else map)(partial(explained_by, experiment, base, start), stages))
     return sorted(found, key=lambda each: each.left)
 
 
@@ -310,7 +317,7 @@ def explained_by(experiment: Experiment, base: Fit, start: float, stage: str) ->
     missed = float(np.sqrt(np.nanmean((experiment.position - run.position[0]) ** 2)))
     trials = [beside(*each, stage) for each in ((fitted, point), without_lags(fitted, point))]
     values, left = min([(np.zeros(len(experiment.time)), missed), *trials], key=lambda each: each[1])
-    return Explained(stage, experiment, start, values, left, missed)
+    return Explained(stage, experiment, base.model, start, values, left, missed)
 
 
 def without_lags(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:

@@ -136,15 +136,15 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
     yield from curves_against("friction", "N", "stem", residual * direction, against)
 
 
-def curves_of_own_signals(explained: Sequence[Explained], base: Fit) -> list[Curve]:
+def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
     """Return the curves of what each stage would have to do by its own signals, beyond what its own numbers can.
 
     The force is what the stem would have to overcome beside spring and friction, taken while it moves.
     """
     curves: list[Curve] = []
     for each in explained:
-        experiment, values = each.experiment, base.model.values
-        run = simulate_model(base.model, experiment, start_position=each.start)
+        experiment, values = each.experiment, each.model.values
+        run = simulate_model(each.model, experiment, start_position=each.start)
         pressure, position = run.pressure[0], run.position[0]
         speed = _slope(position, experiment.time)
         direction = np.where(run.mode[0] == 0.0, np.nan, run.mode[0])
@@ -157,7 +157,7 @@ def curves_of_own_signals(explained: Sequence[Explained], base: Fit) -> list[Cur
             "time": ("s", experiment.record_time),
         }
         force = beyond(-values["spring_rate"] * each.values * np.abs(direction), position, speed, direction)
-        gap = gap_at(pressure + shift, base.model) - gap_at(pressure, base.model)
+        gap = gap_at(pressure + shift, each.model) - gap_at(pressure, each.model)
         signals = {
             "electromagnet": {"gap": ("m", beyond(gap, np.sqrt(experiment.current)))},
             "nozzle": {"pressure": ("Pa", beyond(shift, pressure))},

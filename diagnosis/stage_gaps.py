@@ -43,6 +43,10 @@ class StageGaps:
     back : arrays, each of shape (n,) [m]
         Measured position less simulated, the measured pressure in. Front and back add up to the whole error.
     pressure_noise, position_noise : float [Pa], [m]
+    driven : list of Experiment
+        With the measured pressure as the drive, its noise taken out.
+    behind : Fit
+        Of stem and sensor to these.
     """
 
     pressure: list[np.ndarray]
@@ -50,6 +54,8 @@ class StageGaps:
     back: list[np.ndarray]
     pressure_noise: float
     position_noise: float
+    driven: list[Experiment]
+    behind: Fit
 
     @property
     def cross_term(self) -> float:
@@ -108,6 +114,8 @@ def stage_gaps(experiments: Sequence[Experiment], base: Fit) -> StageGaps:
         back=[experiment.position - run for experiment, run in zip(experiments, followed, strict=True)],
         pressure_noise=float(np.sqrt(np.mean([each.pressure_noise**2 for each in experiments]))),
         position_noise=float(np.sqrt(np.mean([each.noise**2 for each in experiments]))),
+        driven=driven,
+        behind=back,
     )
 
 

@@ -15,6 +15,7 @@ from diagnosis.residual_curves import gap_at
 from diagnosis.stage_gaps import BACK, FRONT, StageGaps, rms, stage_gaps
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
+from valvemodel.declarations import STAGES
 
 MEASURED, CORRECTED = "measured input", "smallest correction"
 """How the gap of a stage was found."""
@@ -108,15 +109,20 @@ def where_of(
     base : Fit
         Of the base to all of them.
     is_unknown : bool
-        Whether no cause was found, so that each stage is asked what its own signals explain.
+        Whether no cause was found, so that each stage is asked what its own signals explain; behind a measured
+        pressure, what they explain of what is missed there.
     pool : Executor or None
         Whose processes are used.
     """
+    asked: Sequence[str] = STAGES
     if all(experiment.pressure is not None for experiment in experiments):
-        return of_measured(stage_gaps(experiments, base), experiments)
-    stretch, start = most_missed(experiments, base)
-    explained = explained_by_stages(stretch, base, start, pool) if is_unknown else []
-    return replace(of_corrections(stretch, base, start), explained=explained)
+        gaps = stage_gaps(experiments, base)
+        found, asked, base = of_measured(gaps, experiments), BACK, gaps.behind
+        stretch, start = most_missed(gaps.driven, base)
+    else:
+        stretch, start = most_missed(experiments, base)
+        found = of_corrections(stretch, base, start)
+    return replace(found, explained=explained_by_stages(stretch, base, start, asked, pool)) if is_unknown else found
 
 
 def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:

@@ -55,7 +55,8 @@ def where_section(diagnosis: Mapping[str, Any]) -> WhereSection:
     stages = where.get("stages") or ()
     regime_map = where.get("regime_map") or {"rows": (), "columns": ()}
     is_measured = _is_measured(stages)
-    sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where) + _own_sentences(where)
+    sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where)
+    sentences += _own_sentences(where, "that is left behind the measured pressure" if is_measured else "")
     return WhereSection(
         is_measured,
         sentences,
@@ -133,7 +134,7 @@ def _corrected_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _own_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
+def _own_sentences(where: Mapping[str, Any], of_what: str) -> tuple[str, ...]:
     """Say what each stage explains by its own signals, where that was asked."""
     own = where.get("own_signals") or ()
     if not own:
@@ -142,7 +143,8 @@ def _own_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         "An effect can only depend on what goes through its stage, and on time. Corrections that do so, of current,"
         " pressure, position and speed, or of the position that is read, would close in"
-        f" {listed(closed)} of the squared gap.",
+        f" {listed(closed)} of the squared gap {of_what}".rstrip()
+        + ".",
     )
 
 

@@ -27,14 +27,14 @@ EFFECTS = (
 )  # fmt: skip
 
 
-def fitted(given: Model, effects: tuple[str, ...], seed: int) -> tuple[Experiment, Fit]:
-    taken = measure(draw_plant(seed, effects), seed + 1000, duration=100.0)
+def fitted(given: Model, effects: tuple[str, ...], seed: int, *, with_pressure: bool = False) -> tuple[Experiment, Fit]:
+    taken = measure(draw_plant(seed, effects), seed + 1000, duration=100.0, with_pressure=with_pressure)
     experiment = experiment_of(Record.from_arrays(name="plant", **taken))
     return experiment, fit_base(given, [experiment])
 
 
 def asked(experiment: Experiment, base: Fit) -> list[Explained]:
-    return explained_by_stages(experiment, base, base.starts[0], None)
+    return explained_by_stages(experiment, base, base.starts[0], STAGES, None)
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
@@ -80,10 +80,10 @@ def test_play_lags_by_its_half_width() -> None:
     assert not np.diff(behind[101:121]).any()
 
 
-def test_what_a_stage_leaves_weighs_its_hint() -> None:
+def test_what_a_stage_leaves_weighs_its_hint(given: Model) -> None:
     experiment = replace(experiment_of_nothing(), noise=1e-4)
     left = dict(zip(STAGES, (2e-4, 1e-3, 1.1e-4, 1e-3), strict=True))
-    explained = [Explained(stage, experiment, 0.0, np.zeros(3), each, 2e-3) for stage, each in left.items()]
+    explained = [Explained(stage, experiment, given, 0.0, np.zeros(3), each, 2e-3) for stage, each in left.items()]
     weighed = with_own_signals(dict.fromkeys(STAGES, 0.25), explained)
     assert sum(weighed.values()) == pytest.approx(1.0)
     assert sorted(weighed, key=lambda stage: -weighed[stage])[:2] == ["stem", "electromagnet"]
@@ -114,13 +114,13 @@ def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) 
     assert {each["stage"] for each in content["own_signals"]} == set(STAGES)
     assert "what goes through its stage" in where_section({"where": content}).sentences[-1]
     stem = [each for each in where.explained if each.stage == "stem"]
-    curves = curves_of_own_signals(stem, base)
+    curves = curves_of_own_signals(stem)
     assert {curve.signal for curve in curves} == {"force", "friction"}
 
 
 def curves_of_stem(given: Model, effect: str, seed: int) -> list[Curve]:
     experiment, base = fitted(given, (effect,), seed)
-    return curves_of_own_signals([each for each in asked(experiment, base) if each.stage == "stem"], base)
+    return curves_of_own_signals([each for each in asked(experiment, base) if each.stage == "stem"])
 
 
 @pytest.mark.parametrize("seed", [21, 23])
@@ -137,6 +137,16 @@ def test_friction_that_differs_up_and_down_goes_with_the_speed(given: Model) -> 
     curve = curves_of_stem(given, "asymmetric_viscous_friction", 21)[0]
     assert curve.against == "speed"
     assert curve.share > 0.5
+
+
+def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> None:
+    experiment, base = fitted(given, ("position_dependent_friction",), seed=23, with_pressure=True)
+    where = where_of([experiment], base, is_unknown=True)
+    assert [each.stage for each in where.explained] == ["stem", "sensor"]
+    assert where.explained[0].closed > 0.6
+    assert "behind the measured pressure" in where_section({"where": where.as_json()}).sentences[-1]
+    best = curves_of_own_signals(where.explained)[0]
+    assert (best.signal, best.against) == ("friction", "position")
 
 
 def test_nothing_is_asked_where_a_cause_was_found(given: Model) -> None:
