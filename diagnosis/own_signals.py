@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -103,45 +104,70 @@ class Seen:
         behind, _ = lfilter([1.0 - kept], [1.0, -kept], signal, zi=[kept * signal[0]])
         return np.asarray(behind) - signal
 
+    def later(self, signal: np.ndarray, delay: float) -> np.ndarray:
+        """Return a signal after a dead time, less the signal."""
+        return np.interp(self.time - delay, self.time, signal) - signal
 
-def of_electromagnet(seen: Seen) -> list[np.ndarray]:
-    """Return functions of the current: static ones, loops, lags, and a creep."""
+
+Functions = dict[str, list[np.ndarray]]
+"""Functions of a stage's own signals, by what they are together in words."""
+
+
+def of_electromagnet(seen: Seen) -> Functions:
+    """Return functions of the current, those that move it by the pressure that they make."""
     current = seen.current
     loops = [play(current, each) for each in PLAYS]
-    lags = [seen.lag(current, each) for each in LAGS]
-    moving = [*loops, loops[1] * (current - 0.5), *lags, *creep(seen)]
-    return [*along(current), *(seen.gain * each for each in moving)]
+    moving = {
+        "a loop of the current": [*loops, loops[1] * (current - 0.5)],
+        "a lag of the current": [seen.lag(current, each) for each in LAGS],
+        "a gap that creeps with time": creep(seen),
+    }
+    gain = seen.gain
+    return {"a gap by current": along(current)} | {
+        what: [gain * each for each in functions] for what, functions in moving.items()
+    }
 
 
-def of_nozzle(seen: Seen) -> list[np.ndarray]:
-    """Return functions of the pressure: static ones, lags that differ up and down, dead times, a slow draw."""
+def of_nozzle(seen: Seen) -> Functions:
+    """Return functions of the pressure; its lags may differ up and down, and what is drawn is made up slowly."""
     pressure = seen.pressure
     lags = [seen.lag(pressure, each) for each in LAGS]
     either = [part for each in lags for part in (np.maximum(each, 0.0), np.minimum(each, 0.0))]
-    slow = [seen.lag(pressure, each) for each in SLOW]
-    later = [np.interp(seen.time - each, seen.time, pressure) - pressure for each in DELAYS]
     rate = np.abs(np.gradient(pressure + seen.lag(pressure, SMOOTHED), seen.time))
     drawn = [rate + seen.lag(rate, each) for each in (CARRIED, SLOW[0])]
-    return [*along(pressure), *either, lags[-1] * pressure, *later, *slow, *drawn]
+    return {
+        "another pressure by pressure": along(pressure),
+        "a lag of the pressure": [*either, lags[-1] * pressure],
+        "a dead time of the pressure": [seen.later(pressure, each) for each in DELAYS],
+        "a pressure that sags when it changes": [*(seen.lag(pressure, each) for each in SLOW), *drawn],
+    }
 
 
-def of_stem(seen: Seen) -> list[np.ndarray]:
-    """Return functions of position and speed, and friction by place, pressure, speed and time."""
-    position, speed = seen.position, seen.speed
-    places = along(position)
-    frictions = [*places, seen.pressure, *(np.exp(-np.abs(speed) / each) for each in SLIDES_AT), seen.elapsed]
-    either = [np.maximum(speed, 0.0), np.minimum(speed, 0.0), speed * (position - 0.5)]
-    return [*places, *either, *(seen.friction * each for each in frictions)]
+def of_stem(seen: Seen) -> Functions:
+    """Return forces by position and speed, and friction by what it may depend on."""
+    position, speed, friction = seen.position, seen.speed, seen.friction
+    return {
+        "a force by position": along(position),
+        "a force by speed": [np.maximum(speed, 0.0), np.minimum(speed, 0.0), speed * (position - 0.5)],
+        "friction by position": [friction * each for each in along(position)],
+        "friction by pressure": [friction * seen.pressure],
+        "friction by speed": [friction * np.exp(-np.abs(speed) / each) for each in SLIDES_AT],
+        "friction by time": [friction * each for each in creep(seen)],
+    }
 
 
-def of_sensor(seen: Seen) -> list[np.ndarray]:
-    """Return functions of the position: static ones, plays, lags, and a creep."""
+def of_sensor(seen: Seen) -> Functions:
+    """Return functions of the position."""
     position = seen.position
-    lags = [seen.lag(position, each) for each in (*LAGS, SLOW[0])]
-    return [*along(position), *(play(position, each) for each in PLAYS), *lags, *creep(seen)]
+    return {
+        "another reading by position": along(position),
+        "a play of the reading": [play(position, each) for each in PLAYS],
+        "a lag of the reading": [seen.lag(position, each) for each in (*LAGS, SLOW[0])],
+        "a zero that creeps with time": creep(seen),
+    }
 
 
-OF_STAGE: dict[str, Callable[[Seen], list[np.ndarray]]] = dict(
+OF_STAGE: dict[str, Callable[[Seen], Functions]] = dict(
     zip(STAGES, (of_electromagnet, of_nozzle, of_stem, of_sensor), strict=True)
 )
 
@@ -179,34 +205,41 @@ class Explained:
         The base valve.
     start : float [m]
         First reading of the base valve.
-    values : array, shape (n,) [m]
-        The correction, as the shift of the reading at rest that it makes.
     left, missed : float [m]
         Root mean square of what is missed all the same, and of what the base valve alone misses.
+    left_by : dict of float [m]
+        What is missed where the stage has functions of one kind alone; the kind that leaves least is first.
+    lead : array, shape (n,) [m]
+        The correction by that kind, as the shift of the reading at rest that it makes.
     """
 
     stage: str
     experiment: Experiment
     model: Model
     start: float
-    values: np.ndarray
     left: float
     missed: float
+    left_by: dict[str, float]
+    lead: np.ndarray
 
     @property
     def excess(self) -> float:
         """Squared error beyond the noise that is left. [noise^2]"""
         return max((self.left / self.experiment.noise) ** 2 - 1.0, 0.0)
 
-    @property
-    def closed(self) -> float:
-        """Share of the squared gap above the noise that is explained."""
+    def closed(self, left: float) -> float:
+        """Return the share of the squared gap above the noise that is closed where so much is left. [m]"""
         reducible = max(self.missed**2 - self.experiment.noise**2, 1e-12 * self.missed**2)
-        return float(np.clip((self.missed**2 - self.left**2) / reducible, 0.0, 1.0))
+        return float(np.clip((self.missed**2 - left**2) / reducible, 0.0, 1.0))
 
-    def as_json(self) -> dict[str, str | float]:
+    def as_json(self) -> dict[str, Any]:
         """Return what diagnosis.json has of it."""
-        return {"stage": self.stage, "gap_after": self.left, "gap_closed": self.closed}
+        return {
+            "stage": self.stage,
+            "gap_after": self.left,
+            "gap_closed": self.closed(self.left),
+            "closed_by": {what: self.closed(left) for what, left in self.left_by.items()},
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,9 +348,23 @@ def explained_by(experiment: Experiment, base: Fit, start: float, stage: str) ->
     point = np.array([*(x for _, x in pairs), 0.0])
     run = simulate_rows(experiment, fitted.rows(point[None, :], 0), tolerance=SEARCH_TOLERANCE)
     missed = float(np.sqrt(np.nanmean((experiment.position - run.position[0]) ** 2)))
-    trials = [beside(*each, stage) for each in ((fitted, point), without_lags(fitted, point))]
-    values, left = min([(np.zeros(len(experiment.time)), missed), *trials], key=lambda each: each[1])
-    return Explained(stage, experiment, base.model, start, values, left, missed)
+    bases = [(each, its, OF_STAGE[stage](seen_by(each, its))) for each, its in (
+        (fitted, point), without_lags(fitted, point)
+    )]  # fmt: skip
+    nothing = np.zeros(len(experiment.time)), missed
+
+    def best(kinds: Sequence[str]) -> tuple[np.ndarray, float]:
+        trials = [
+            beside(problem, begin, [each for kind in kinds for each in functions[kind]], stage)
+            for problem, begin, functions in bases
+        ]
+        return min([nothing, *trials], key=lambda trial: trial[1])
+
+    kinds = list(bases[0][2])
+    alone = sorted(((kind, *best([kind])) for kind in kinds), key=lambda trial: trial[2])
+    left = min(best(kinds)[1], alone[0][2])
+    left_by = {kind: left for kind, _, left in alone}
+    return Explained(stage, experiment, base.model, start, left, missed, left_by, alone[0][1])
 
 
 def without_lags(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
@@ -333,9 +380,9 @@ def without_lags(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarr
     return Problem(model, problem.experiments, unknowns, problem.used), np.delete(usual, mass)
 
 
-def beside(problem: Problem, point: np.ndarray, stage: str) -> tuple[np.ndarray, float]:
-    """Return the correction that the own signals of a stage make beside a base valve, shape (n,), and its rest. [m]"""
-    functions = np.array(OF_STAGE[stage](seen_by(problem, point)))
+def beside(problem: Problem, point: np.ndarray, own: Sequence[np.ndarray], stage: str) -> tuple[np.ndarray, float]:
+    """Return the correction that functions at a stage make beside a base valve, shape (n,), and what is left. [m]"""
+    functions = np.array(own)
     sizes = np.sqrt(np.mean(functions**2, axis=1))
     is_felt = sizes > LEAST_SIZE
     extent = float(np.ptp(problem.experiments[0].position[problem.used[0]]))

@@ -139,6 +139,7 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
 def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
     """Return the curves of what each stage would have to do by its own signals, beyond what its own numbers can.
 
+    Of the functions of these those of the kind are taken that explains most by itself.
     The force is what the stem would have to overcome beside spring and friction, taken while it moves.
     """
     curves: list[Curve] = []
@@ -148,7 +149,7 @@ def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
         pressure, position = run.pressure[0], run.position[0]
         speed = _slope(position, experiment.time)
         direction = np.where(run.mode[0] == 0.0, np.nan, run.mode[0])
-        shift = each.values * values["spring_rate"] / values["diaphragm_area"]
+        shift = each.lead * values["spring_rate"] / values["diaphragm_area"]
         quantities = {
             "current": ("A", experiment.current),
             "pressure": ("Pa", pressure),
@@ -156,13 +157,13 @@ def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
             "speed": ("m/s", speed),
             "time": ("s", experiment.record_time),
         }
-        force = beyond(-values["spring_rate"] * each.values * np.abs(direction), position, speed, direction)
+        force = beyond(-values["spring_rate"] * each.lead * np.abs(direction), position, speed, direction)
         gap = gap_at(pressure + shift, each.model) - gap_at(pressure, each.model)
         signals = {
             "electromagnet": {"gap": ("m", beyond(gap, np.sqrt(experiment.current)))},
             "nozzle": {"pressure": ("Pa", beyond(shift, pressure))},
             "stem": {"force": ("N", force), "friction": ("N", force * direction)},
-            "sensor": {"reading": ("m", beyond(each.values, position))},
+            "sensor": {"reading": ("m", beyond(each.lead, position))},
         }
         told: list[list[Curve]] = []
         for signal, (unit, residual) in signals[each.stage].items():

@@ -13,6 +13,9 @@ from diagnosis.report.place import CONCENTRATED
 
 _TELLING = 0.5
 """Difference of two rivals over the noise, root mean square, from which an experiment tells them apart."""
+_A_LEAD = 0.5
+"""Share of the squared gap from which what a stage's own signals explain by themselves is told as a lead."""
+
 _HARDLY_VISIBLE = 1.0
 """Trace of an effect of typical size over the noise below which it is said to hardly show."""
 
@@ -220,9 +223,17 @@ def _look(diagnosis: Mapping[str, Any]) -> str:
     """Say where to look for a cause that has no name."""
     measured = "" if "pressure" in (diagnosis.get("signals") or ()) else "the actuator pressure measured and with "
     return (
-        f"Look at {_stage_in_words(diagnosis)}, and in the report at what the models leave: when and where it is "
-        f"large is the lead. A second record, with {measured}slower and faster strokes, narrows it down."
+        f"Look at {_stage_in_words(diagnosis)}{_lead(diagnosis)}, and in the report at what the models leave: when and "
+        f"where it is large is the lead. A second record, with {measured}slower and faster strokes, narrows it down."
     )
+
+
+def _lead(diagnosis: Mapping[str, Any]) -> str:
+    """Say what of the named stage's own signals explains most by itself, where that is much."""
+    where = diagnosis.get("where") or {}
+    own = {each["stage"]: each["closed_by"] for each in where.get("own_signals") or ()}
+    what, share = next(iter(own.get(where.get("stage"), {}).items()), ("", 0.0))
+    return f" for {what}, which alone would close {percent(share)} of the squared gap" if share >= _A_LEAD else ""
 
 
 def _stage_in_words(diagnosis: Mapping[str, Any]) -> str:

@@ -15,6 +15,9 @@ _MOSTLY = 0.8
 _SLOW = 0.5
 """Share of the gap below which no slow correction closes it."""
 
+_LEADS = 2
+"""Stages of which it is told what explains most by itself."""
+
 
 @dataclass(frozen=True)
 class StageRow:
@@ -56,7 +59,7 @@ def where_section(diagnosis: Mapping[str, Any]) -> WhereSection:
     regime_map = where.get("regime_map") or {"rows": (), "columns": ()}
     is_measured = _is_measured(stages)
     sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where)
-    sentences += _own_sentences(where, "that is left behind the measured pressure" if is_measured else "")
+    sentences += _own_sentences(where, " that is left behind the measured pressure" if is_measured else "")
     return WhereSection(
         is_measured,
         sentences,
@@ -140,11 +143,12 @@ def _own_sentences(where: Mapping[str, Any], of_what: str) -> tuple[str, ...]:
     if not own:
         return ()
     closed = [f"the {each['stage']} {percent(each['gap_closed'])}" for each in own]
+    leads = [(each["stage"], *next(iter(each["closed_by"].items()))) for each in own[:_LEADS]]
     return (
         "An effect can only depend on what goes through its stage, and on time. Corrections that do so, of current,"
         " pressure, position and speed, or of the position that is read, would close in"
-        f" {listed(closed)} of the squared gap {of_what}".rstrip()
-        + ".",
+        f" {listed(closed)} of the squared gap{of_what}.",
+        *(f"In the {stage}, {what} closes most by itself: {percent(share)}." for stage, what, share in leads),
     )
 
 

@@ -21,10 +21,18 @@ from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
 
-EFFECTS = (
-    "gap_drift", "coil_lag", "supply_droop", "chamber_filling", "friction_drift", "position_dependent_friction",
-    "asymmetric_viscous_friction", "sensor_lag",
-)  # fmt: skip
+LEADS = {
+    "gap_drift": "a gap that creeps with time",
+    "coil_lag": "a lag of the current",
+    "supply_droop": "a pressure that sags when it changes",
+    "chamber_filling": "a lag of the pressure",
+    "position_dependent_friction": "friction by position",
+    "asymmetric_viscous_friction": "a force by speed",
+    "friction_drift": "friction by time",
+    "sensor_lag": "a lag of the reading",
+    "sensor_drift": "a zero that creeps with time",
+}
+"""What of its stage's signals each effect is."""
 
 
 def fitted(given: Model, effects: tuple[str, ...], seed: int, *, with_pressure: bool = False) -> tuple[Experiment, Fit]:
@@ -37,11 +45,14 @@ def asked(experiment: Experiment, base: Fit) -> list[Explained]:
     return explained_by_stages(experiment, base, base.starts[0], STAGES, None)
 
 
-@pytest.mark.parametrize("effect", EFFECTS)
-def test_stage_of_an_effect_explains_most_by_its_own_signals(given: Model, effect: str) -> None:
+@pytest.mark.parametrize("effect", LEADS)
+def test_stage_of_an_effect_explains_most_and_by_what_it_is(given: Model, effect: str) -> None:
     found = asked(*fitted(given, (effect,), seed=21))
-    assert effect_of_key(effect).stage in [each.stage for each in found[:2]]
-    assert found[0].closed > 0.6
+    stage = effect_of_key(effect).stage
+    assert stage in [each.stage for each in found[:2]]
+    own = next(each.as_json() for each in found if each.stage == stage)
+    assert next(iter(own["closed_by"])) == LEADS[effect]
+    assert own["gap_closed"] >= own["closed_by"][LEADS[effect]] > 0.5
     # Another stage has not what it takes.
     assert found[0].excess < 0.5 * found[-1].excess
 
@@ -56,8 +67,8 @@ def test_what_is_explained_is_what_was_added(given: Model) -> None:
     assert found[0].stage == "sensor"
     assert found[0].left < 1.1 * experiment.noise < 5.0 * experiment.noise < found[0].missed
     # The base valve may take its part of what goes with the position.
-    assert np.corrcoef(found[0].values, added)[0, 1] > 0.9
-    assert np.std(found[0].values) == pytest.approx(np.std(added), rel=0.2)
+    assert np.corrcoef(found[0].lead, added)[0, 1] > 0.9
+    assert np.std(found[0].lead) == pytest.approx(np.std(added), rel=0.2)
 
 
 def test_functions_see_no_more_than_their_stage() -> None:
@@ -69,7 +80,8 @@ def test_functions_see_no_more_than_their_stage() -> None:
     others = {"electromagnet": "position", "nozzle": "current", "stem": "current", "sensor": "pressure"}
     for stage, other in others.items():
         changed = replace(seen, **{other: getattr(seen, other)[::-1]})
-        assert np.array_equal(OF_STAGE[stage](seen), OF_STAGE[stage](changed)), stage
+        for one, other in zip(OF_STAGE[stage](seen).values(), OF_STAGE[stage](changed).values(), strict=True):
+            assert np.array_equal(one, other), stage
 
 
 def test_play_lags_by_its_half_width() -> None:
@@ -83,7 +95,7 @@ def test_play_lags_by_its_half_width() -> None:
 def test_what_a_stage_leaves_weighs_its_hint(given: Model) -> None:
     experiment = replace(experiment_of_nothing(), noise=1e-4)
     left = dict(zip(STAGES, (2e-4, 1e-3, 1.1e-4, 1e-3), strict=True))
-    explained = [Explained(stage, experiment, given, 0.0, np.zeros(3), each, 2e-3) for stage, each in left.items()]
+    explained = [Explained(stage, experiment, given, 0.0, each, 2e-3, {}, np.zeros(3)) for stage, each in left.items()]
     weighed = with_own_signals(dict.fromkeys(STAGES, 0.25), explained)
     assert sum(weighed.values()) == pytest.approx(1.0)
     assert sorted(weighed, key=lambda stage: -weighed[stage])[:2] == ["stem", "electromagnet"]
@@ -112,7 +124,9 @@ def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) 
     content = where.as_json()
     json.dumps(content, allow_nan=False)
     assert {each["stage"] for each in content["own_signals"]} == set(STAGES)
-    assert "what goes through its stage" in where_section({"where": content}).sentences[-1]
+    asked_of, *leads = where_section({"where": content}).sentences[-3:]
+    assert "what goes through its stage" in asked_of
+    assert any("friction by position closes most by itself" in each for each in leads)
     stem = [each for each in where.explained if each.stage == "stem"]
     curves = curves_of_own_signals(stem)
     assert {curve.signal for curve in curves} == {"force", "friction"}
@@ -143,8 +157,8 @@ def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> N
     experiment, base = fitted(given, ("position_dependent_friction",), seed=23, with_pressure=True)
     where = where_of([experiment], base, is_unknown=True)
     assert [each.stage for each in where.explained] == ["stem", "sensor"]
-    assert where.explained[0].closed > 0.6
-    assert "behind the measured pressure" in where_section({"where": where.as_json()}).sentences[-1]
+    assert where.explained[0].as_json()["gap_closed"] > 0.6
+    assert "behind the measured pressure" in where_section({"where": where.as_json()}).sentences[-3]
     best = curves_of_own_signals(where.explained)[0]
     assert (best.signal, best.against) == ("friction", "position")
 
