@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from diagnosis import hiding, judgement
+from diagnosis.alone import TOLD_FROM_NONE
 from diagnosis.hiding import strongest_start, with_hidden
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
+from diagnosis.selection import WORTH_A_SECOND
 from diagnosis.trials.marking import mark
 from diagnosis.trying import Candidate
 from valvemodel.effects import effect_of_key
@@ -139,6 +141,16 @@ def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(monkeypatch
     judged = judge([base, pair])
     assert judged.lost[1] == pytest.approx(lost)
     assert (judged.unknown > 0.3) == (lost == judgement.MOST_IMITATED)
+
+
+def test_what_is_not_searched_for_could_not_win(monkeypatch):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    near_none = judge([candidate(TOLD_FROM_NONE), replace(candidate(1.0, "magnetic_saturation"), freedom=1)])
+    assert near_none.probabilities[0] > 2.0 * near_none.probabilities[1]
+    single = replace(candidate(WORTH_A_SECOND, "magnetic_saturation"), freedom=1)
+    pair = replace(candidate(1.0, "magnetic_saturation", "coil_lag"), freedom=2)
+    near_single = judge([candidate(40.0), single, pair])
+    assert near_single.probabilities[1] > 2.0 * near_single.probabilities[2]
 
 
 @pytest.mark.parametrize(("alone", "lost"), [(40.0, 0.0), (2.8, judgement.MOST_IMITATED)])

@@ -52,6 +52,18 @@ def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_exp
     assert selection.worth_trying_anew([*tried, *pairs, candidate(1.1, "gap_drift", "air_leak")]) == []
 
 
+@pytest.mark.parametrize(("left", "is_searched"), [(1.1, False), (1.2, True)])
+def test_beside_a_base_near_the_noise_no_cause_is_searched_for_from_every_start(left, is_searched):
+    work = singles.nearly([candidate(left), candidate(1.08, "spring_hardening")])
+    assert bool(work) == is_searched
+
+
+@pytest.mark.parametrize(("left", "is_looked_for"), [(1.08, False), (1.12, True)])
+def test_beside_a_single_effect_near_the_noise_no_second_one_is_looked_for(left, is_looked_for):
+    tried = [candidate(40.0), candidate(left, "coil_lag")]
+    assert selection.is_explained(tried, 2) != is_looked_for
+
+
 def test_single_effects_that_nearly_explain_are_searched_for_from_every_start():
     base, best = candidate(40.0), candidate(1.5, "spring_hardening")
     others = [candidate(3.0, "magnetic_saturation"), waves(2.0, "load_force"), candidate(9.0, "coil_lag")]
