@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, WORTH_MORE, explains, misfit, stops_seen
 from diagnosis.proposals import FAR_BEHIND, SHORTLIST, extensions
 from diagnosis.standing import (
     best_of,
@@ -35,10 +35,6 @@ from valvemodel.stages import EFFECTS
 LEAST_PROMISE, PROMISE_AT_NOISE = 0.05, 0.005
 """Share of the base's error that an effect must promise by slopes to be followed alone where another settles the
 record, and where the base leaves little."""
-
-TOLD_FROM_NONE = 1.15
-"""Squared error of the base up to which no cause is told from none, whatever comes nearer: it gains less likelihood, at
-most 4.5 log(1 + 0.15 / 0.35), than its number and the prior of none cost."""
 
 MOST_NEARLY = 4
 """Best causes of one effect that are searched for from every start where they nearly explain the record."""
@@ -90,7 +86,7 @@ def nearly(tried: Sequence[Candidate]) -> list[Work]:
     base, best = tried[0], best_of(tried, 1)[:MOST_NEARLY]
     if not best or misfit(best[0]) < AT_NOISE or not explains(best[0], base, generous=True):
         return []
-    if misfit(base) < TOLD_FROM_NONE:
+    if misfit(base) < WORTH_MORE:
         return []
     far = FAR_BEHIND * misfit(best[0])
     near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]

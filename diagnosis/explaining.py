@@ -17,6 +17,10 @@ FORM_SHARE = 0.05
 AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
+WORTH_MORE = 1.1
+"""Mean weighted square up to which nothing with one more effect is told from what leaves it: it gains less likelihood
+than that effect and its number cost, whatever it leaves."""
+
 GENEROUS = 4.0
 """Factor by which a cause may leave more, in square, for what is left to be little: a third effect is not looked for
 beside two, and beside one what comes close to none is."""

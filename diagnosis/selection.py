@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from functools import partial
 
 from diagnosis.alone import try_first
-from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit
+from diagnosis.explaining import AT_NOISE, WORTH_MORE, any_explains, explains, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
     LEADERS,
@@ -41,10 +41,6 @@ from diagnosis.trying import Candidate, Progress, Work, each_in_turn, never, sha
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
 from valvemodel.effects import differ_by_aliases, effect_of_key
-
-WORTH_A_SECOND = 1.1
-"""Squared error of a single effect up to which no second one is told from it: it gains less likelihood, at most
-4.5 log(1 + 0.1 / 0.35), than a second effect and its number cost."""
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -113,7 +109,7 @@ def is_explained(tried: Sequence[Candidate], size: int) -> bool:
         return any_explains(tried, generous=True)
     base, *others = tried
     ends = [each for each in others if explains(each, base) and not stands_in(each)]
-    return explains(base, base) or any(len(each.effects) > 1 or misfit(each) < WORTH_A_SECOND for each in ends)
+    return explains(base, base) or any(len(each.effects) > 1 or misfit(each) < WORTH_MORE for each in ends)
 
 
 def is_told(tried: Sequence[Candidate]) -> bool:

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from diagnosis import hiding, judgement
-from diagnosis.alone import TOLD_FROM_NONE
+from diagnosis.explaining import WORTH_MORE
 from diagnosis.hiding import strongest_start, with_hidden
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
-from diagnosis.selection import WORTH_A_SECOND
 from diagnosis.trials.marking import mark
 from diagnosis.trying import Candidate
 from valvemodel.effects import effect_of_key
@@ -145,9 +144,9 @@ def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(monkeypatch
 
 def test_what_is_not_searched_for_could_not_win(monkeypatch):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
-    near_none = judge([candidate(TOLD_FROM_NONE), replace(candidate(1.0, "magnetic_saturation"), freedom=1)])
+    near_none = judge([candidate(WORTH_MORE), replace(candidate(1.0, "magnetic_saturation"), freedom=1)])
     assert near_none.probabilities[0] > 2.0 * near_none.probabilities[1]
-    single = replace(candidate(WORTH_A_SECOND, "magnetic_saturation"), freedom=1)
+    single = replace(candidate(WORTH_MORE, "magnetic_saturation"), freedom=1)
     pair = replace(candidate(1.0, "magnetic_saturation", "coil_lag"), freedom=2)
     near_single = judge([candidate(40.0), single, pair])
     assert near_single.probabilities[1] > 2.0 * near_single.probabilities[2]
