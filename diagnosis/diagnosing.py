@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from diagnosis.alone import library_for, try_first
+from diagnosis.base_numbers import BaseNumber, base_numbers
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
@@ -139,6 +140,7 @@ class Diagnosis(Told):
     given: Model
     base: Fit
     found: Fit
+    base_numbers: list[BaseNumber]
     candidates: tuple[str, ...]
     tried: list[Candidate]
     confusability: Confusability
@@ -206,7 +208,11 @@ class Diagnosis(Told):
             "confusability": self.confusability.as_json(),
             "residual_curves": [curve.as_json() for curve in self.residual_curves],
             "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
-            "base": {"name": self.base.model.name, "file": "base.json"},
+            "base": {
+                "name": self.base.model.name,
+                "file": "base.json",
+                "numbers": [vars(each) for each in self.base_numbers],
+            },
             "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
             "not_tried": self.not_tried,
             "untried_aliases": self.untried_aliases,
@@ -331,6 +337,7 @@ def diagnose_with(
         holdout=holdout,
         given=model,
         base=whole_base,
+        base_numbers=base_numbers(model, whole_base, whole if verdict == "effect" else whole_base, experiments),
         found=whole,
         candidates=tuple(effect.key for effect in library),
         tried=tried,

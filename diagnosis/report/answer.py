@@ -75,7 +75,7 @@ def _print(
 def _how_far(answer: Answer) -> list[str]:
     width = max((len(value) for _, value in answer.gap_rows), default=0)
     rows = [f"{value:>{width}}  {name}" for name, value in answer.gap_rows]
-    return [*rows, answer.gap_measure, *filter(None, [answer.closes])] if rows else []
+    return [*rows, answer.gap_measure, *filter(None, [answer.closes, answer.refit])] if rows else []
 
 
 def _causes(answer: Answer) -> list[str]:

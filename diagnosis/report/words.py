@@ -25,6 +25,7 @@ from diagnosis.report.amounts import (
     percent_interval,
     probability_text,
 )
+from diagnosis.report.base_numbers import NumberRow, number_rows, refit_sentence
 from diagnosis.report.finding import WORTH_SAYING, found_cause
 from diagnosis.report.headline import confidence_of, explanation_of, headline_of, tag_of
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_title, listed
@@ -86,6 +87,8 @@ class Answer:
     closes: str
     gap_rows: tuple[tuple[str, str], ...]
     gap_measure: str
+    refit: str
+    base_numbers: tuple[NumberRow, ...]
     closed: str
     closed_interval: str
     alternatives: tuple[Alternative, ...]
@@ -128,6 +131,8 @@ def make_answer(diagnosis: Mapping[str, Any], more_warnings: Iterable[str] = ())
         closes=closes_of(diagnosis),
         gap_rows=gap_rows_of(diagnosis),
         gap_measure=measure_of(diagnosis),
+        refit=refit_sentence(diagnosis),
+        base_numbers=number_rows(diagnosis),
         closed=capitalised(closed_text(found.get("gap_closed"))) if is_number(found.get("gap_closed")) else "",
         closed_interval=percent_interval(found.get("gap_closed_interval")),
         alternatives=alternatives,
