@@ -60,7 +60,7 @@ def refit_sentence(diagnosis: Mapping[str, Any]) -> str:
     meaning = _MEANINGS.get(most["name"], most["name"]).rpartition(", ")[2].removeprefix("the ")
     return (
         f"Of the valve's own numbers the {meaning} matters most: {given} as given,"
-        f" {found} found. That one alone put back, the gap is {amount(most['gap_as_given'], 'm')}."
+        f" {found} found. That one alone put back, model and valve differ by {amount(most['gap_as_given'], 'm')}."
     )
 
 
