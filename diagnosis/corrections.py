@@ -129,6 +129,17 @@ def run_with_pressures(rows: np.ndarray, experiment: Experiment, pressures: np.n
     return readings
 
 
+def held(pressures: np.ndarray) -> np.ndarray:
+    """Return the pressures that are held from each sample on, of those that stand just before it, shape (p, n)."""
+    return np.concatenate([pressures[:, 1:], pressures[:, -1:]], axis=1)
+
+
+def closed_of(missed: float, left: float, noise: float) -> float | None:
+    """Return the share of the squared gap above the noise that a correction closes, or None where there is none."""
+    reducible = missed**2 - noise**2
+    return float(np.clip((missed**2 - left**2) / reducible, 0.0, 1.0)) if reducible > 0.0 else None
+
+
 def width_of_means(count: int) -> int:
     """Return how many neighbouring samples of so many go into a mean."""
     return -(-count // MOST_MEANS)
@@ -185,12 +196,11 @@ def smallest_correction(stretch: Experiment, base: Fit, start: float, place: str
 def corrected_at(stretch: Experiment, base: Fit, start: float, place: str) -> Corrected:
     """Make the chain ready to be corrected."""
     simulated = simulate_model(base.model, stretch, start_position=start)
-    pressure = simulated.pressure[0]
     values = base.model.values
     return Corrected(
         experiment=stretch,
         rows=base.model.rows(start_position=start),
-        pressure=np.append(pressure[1:], pressure[-1]),
+        pressure=held(simulated.pressure)[0],
         reading=simulated.position[0],
         pressure_of_noise=stretch.noise * values["spring_rate"] / values["diaphragm_area"],
         hats=hats_of(stretch.time),
@@ -207,7 +217,9 @@ def stretch_of(experiment: Experiment, error: np.ndarray) -> tuple[Experiment, i
         first = int(starts[np.argmax(sums[starts + MOST_SAMPLES] - sums[starts])])
     part = slice(first, first + MOST_SAMPLES)
     parts = {name: getattr(experiment, name)[part] for name in ("time", "current", "position", "block")}
-    return replace(experiment, **{**parts, "time": parts["time"] - parts["time"][0]}, pressure=None), first
+    began = float(parts["time"][0])
+    start = experiment.start + began
+    return replace(experiment, **{**parts, "time": parts["time"] - began}, start=start, pressure=None), first
 
 
 def hats_of(time: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
-from diagnosis.residual_curves import Curve, curves_of_own_signals, residual_curves
+from diagnosis.residual_curves import Curve, residual_curves
 from diagnosis.sampling import largest_error, with_sampling_error
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
 from diagnosis.selection import select, try_together
@@ -308,15 +308,12 @@ def diagnose_with(
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
     causes[0] = replace(with_parameters(causes[0], whole), hiding=hiding)
+    if verdict == "unknown":
+        progress("asking each stage what its own signals explain", 0.95)
     stage_gaps = where_of(experiments, whole_base, is_unknown=verdict == "unknown", pool=pool)
     stage_probability = stage_probabilities(verdict, tried, judgement, stage_gaps.measured_shares, stage_gaps.explained)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
-    curves: list[Curve] = []
-    if verdict == "unknown":
-        named_by_own = [each for each in stage_gaps.explained if each.stage in named[:MOST_OPEN]]
-        curves = residual_curves(experiments, whole_base)
-        signals = {curve.signal for curve in curves}
-        curves += [each for each in curves_of_own_signals(named_by_own) if each.signal not in signals]
+    likely = [each for each in stage_gaps.explained if each.stage in named[:MOST_OPEN]]
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
     modes = [run.mode[0] for run in runs]
@@ -344,7 +341,7 @@ def diagnose_with(
         confusability=confusability(whole_base, library),
         control=control,
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
-        residual_curves=curves,
+        residual_curves=residual_curves(experiments, whole_base, likely) if verdict == "unknown" else [],
         steps=steps_of(as_given, tried, shown, floor, yardstick),
         warnings=(*(each for record in records for each in record.warnings), *notes, *slowness, *control.notes),
         seconds=time.perf_counter() - began,

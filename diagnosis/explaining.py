@@ -18,8 +18,8 @@ AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
 WORTH_MORE = 1.1
-"""Mean weighted square up to which nothing with one more effect is told from what leaves it: it gains less likelihood
-than that effect and its number cost, whatever it leaves."""
+"""Mean weighted square, over the noise or the least that anything left, up to which nothing with one more effect is
+told from what leaves it: it gains less likelihood than that effect and its number cost."""
 
 GENEROUS = 4.0
 """Factor by which a cause may leave more, in square, for what is left to be little: a third effect is not looked for
@@ -44,6 +44,11 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
         return misfit(candidate) < AT_NOISE
     allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
     return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
+
+
+def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:
+    """Return whether a cause leaves so little that nothing with one more effect could be told from it."""
+    return misfit(candidate) < WORTH_MORE * min(1.0, *map(misfit, tried))
 
 
 def any_explains(tried: Sequence[Candidate], *, generous: bool = False) -> bool:

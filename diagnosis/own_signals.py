@@ -1,14 +1,12 @@
 """What a stage sees: how much of the gap a correction of its output explains that depends on nothing else.
 
-An effect can only depend on what goes through its stage, and on time: in the electromagnet on the current, in the
-nozzle on the pressure, in the stem on position, speed and the side on which friction acts, in the sensor on the
-position. So each stage gets some functions of its own signals, and what they explain together, the base valve fitted
-beside them, tells stages apart that the place of a correction alone does not.
+Each stage gets functions of its own signals. What they explain together, the base valve fitted beside them, tells
+stages apart that the place of a correction alone does not; what explains most by itself is a lead.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -17,32 +15,15 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from diagnosis.corrections import in_means, run_with_pressures
+from diagnosis.corrections import closed_of, held, in_means, run_with_pressures
+from diagnosis.stage_functions import functions_of
 from identification.experiment import Experiment, simulate_rows
 from identification.fit import Fit, measured
-from identification.problem import SEARCH_TOLERANCE, Problem
+from identification.problem import DIFFERENCE, LOST, SEARCH_TOLERANCE, Problem
 from identification.search import Slopes
 from identification.unknowns import start_unknown
 from valvemodel.declarations import STAGES
 from valvemodel.model import Model
-
-KNOTS = 10
-"""Places along the range of a signal between which a function of it is linear."""
-
-PLAYS, LAGS, SLOW = (0.02, 0.06, 0.15), (0.03, 0.1, 0.3), (2.0, 8.0)
-"""Half widths of plays, over the range of the signal, and time constants of lags, fast and slow. [s]"""
-
-DELAYS = (0.05, 0.12)
-"""Dead times of a line. [s]"""
-
-SMOOTHED, CARRIED = 0.05, 0.4
-"""Time constants with which a rate is taken, and with which what it draws is made up at once. [s]"""
-
-SLIDES_AT = (0.1, 0.5)
-"""Speeds over their root mean square within which friction falls."""
-
-GRID = 33
-"""Currents between which the slope of the pressure over it is taken."""
 
 LEAST_SIZE = 1e-3
 """A function is left out whose root mean square is less; that of the signals themselves is some tenths."""
@@ -51,8 +32,8 @@ UNIT, SPREAD, SPREAD_BASE = 0.01, 0.2, 0.02
 """What a function of 1 shifts the reading by, over the range of the readings; the prior spread of that, and of what the
 base valve's scaled numbers move: of corrections that explain the same it is the least that is told."""
 
-NUDGE, NUDGE_BASE = 0.1, 2e-4
-"""Steps of the forward differences in functions and in the base valve's scaled numbers."""
+NUDGE = 0.1
+"""Step of the forward differences in functions."""
 
 EVALUATIONS, PRECISION = 15, 1e-3
 """Points of a search at most, and the share of the error below which a step's gain ends it."""
@@ -60,137 +41,27 @@ EVALUATIONS, PRECISION = 15, 1e-3
 LAGGING = ("stem_mass", "viscous_friction")
 """Numbers of the base valve that make up for a lag elsewhere, the first without need of its own."""
 
-DRIVING = ("diaphragm_area", "spring_preload", "spring_rate", "viscous_friction", "coulomb_friction")
-"""Numbers of the base valve that tell what its friction holds."""
-
 
 @dataclass(frozen=True, eq=False)
-class Seen:
-    """The signals of the base valve in one experiment, each of shape (n,).
+class Trial:
+    """A base valve with a correction.
 
     Attributes
     ----------
-    time, current, pressure, position : array
-        The last three over their ranges, from 0 to 1.
-    speed, friction : array
-        Over the root mean square; over the Coulomb friction, from -1 to 1, in a stem at rest what holds it.
+    model : Model
+        The base valve beside the correction.
+    start : float [m]
+        Its first reading.
+    values : array, shape (n,) [m]
+        The correction, as the shift of the reading at rest that it makes.
+    left : float [m]
+        Root mean square of what is missed all the same.
     """
 
-    time: np.ndarray
-    current: np.ndarray
-    pressure: np.ndarray
-    position: np.ndarray
-    speed: np.ndarray
-    friction: np.ndarray
-
-    @property
-    def gain(self) -> np.ndarray:
-        """Pressure that a change of the current makes, both over their ranges."""
-        order = np.argsort(self.current)
-        grid = np.linspace(0.0, 1.0, GRID)
-        slopes = np.gradient(np.interp(grid, self.current[order], self.pressure[order]), grid)
-        return np.interp(self.current, grid, slopes)
-
-    @property
-    def elapsed(self) -> np.ndarray:
-        """Time over the length of the record, from the middle."""
-        return self.time / self.time[-1] - 0.5
-
-    def lag(self, signal: np.ndarray, constant: float) -> np.ndarray:
-        """Return a signal behind a lag, less the signal."""
-        from scipy.signal import lfilter
-
-        kept = float(np.exp(-np.median(np.diff(self.time)) / constant))
-        behind, _ = lfilter([1.0 - kept], [1.0, -kept], signal, zi=[kept * signal[0]])
-        return np.asarray(behind) - signal
-
-    def later(self, signal: np.ndarray, delay: float) -> np.ndarray:
-        """Return a signal after a dead time, less the signal."""
-        return np.interp(self.time - delay, self.time, signal) - signal
-
-
-Functions = dict[str, list[np.ndarray]]
-"""Functions of a stage's own signals, by what they are together in words."""
-
-
-def of_electromagnet(seen: Seen) -> Functions:
-    """Return functions of the current, those that move it by the pressure that they make."""
-    current = seen.current
-    loops = [play(current, each) for each in PLAYS]
-    moving = {
-        "a loop of the current": [*loops, loops[1] * (current - 0.5)],
-        "a lag of the current": [seen.lag(current, each) for each in LAGS],
-        "a gap that creeps with time": creep(seen),
-    }
-    gain = seen.gain
-    return {"a gap by current": along(current)} | {
-        what: [gain * each for each in functions] for what, functions in moving.items()
-    }
-
-
-def of_nozzle(seen: Seen) -> Functions:
-    """Return functions of the pressure; its lags may differ up and down, and what is drawn is made up slowly."""
-    pressure = seen.pressure
-    lags = [seen.lag(pressure, each) for each in LAGS]
-    either = [part for each in lags for part in (np.maximum(each, 0.0), np.minimum(each, 0.0))]
-    rate = np.abs(np.gradient(pressure + seen.lag(pressure, SMOOTHED), seen.time))
-    drawn = [rate + seen.lag(rate, each) for each in (CARRIED, SLOW[0])]
-    return {
-        "another pressure by pressure": along(pressure),
-        "a lag of the pressure": [*either, lags[-1] * pressure],
-        "a dead time of the pressure": [seen.later(pressure, each) for each in DELAYS],
-        "a pressure that sags when it changes": [*(seen.lag(pressure, each) for each in SLOW), *drawn],
-    }
-
-
-def of_stem(seen: Seen) -> Functions:
-    """Return forces by position and speed, and friction by what it may depend on."""
-    position, speed, friction = seen.position, seen.speed, seen.friction
-    return {
-        "a force by position": along(position),
-        "a force by speed": [np.maximum(speed, 0.0), np.minimum(speed, 0.0), speed * (position - 0.5)],
-        "friction by position": [friction * each for each in along(position)],
-        "friction by pressure": [friction * seen.pressure],
-        "friction by speed": [friction * np.exp(-np.abs(speed) / each) for each in SLIDES_AT],
-        "friction by time": [friction * each for each in creep(seen)],
-    }
-
-
-def of_sensor(seen: Seen) -> Functions:
-    """Return functions of the position."""
-    position = seen.position
-    return {
-        "another reading by position": along(position),
-        "a play of the reading": [play(position, each) for each in PLAYS],
-        "a lag of the reading": [seen.lag(position, each) for each in (*LAGS, SLOW[0])],
-        "a zero that creeps with time": creep(seen),
-    }
-
-
-OF_STAGE: dict[str, Callable[[Seen], Functions]] = dict(
-    zip(STAGES, (of_electromagnet, of_nozzle, of_stem, of_sensor), strict=True)
-)
-
-
-def along(signal: np.ndarray) -> list[np.ndarray]:
-    """Return hats along the range of a signal, which sum to 1."""
-    lowest, highest = np.quantile(signal, [0.005, 0.995])
-    knots = np.linspace(lowest, highest, KNOTS)
-    return [np.interp(signal, knots, each) for each in np.eye(KNOTS)]
-
-
-def play(signal: np.ndarray, half_width: float) -> np.ndarray:
-    """Return a signal behind a play, less the signal."""
-    behind, last = [], float(signal[0])
-    for value in signal.tolist():
-        last = min(max(last, value - half_width), value + half_width)
-        behind.append(last)
-    return np.array(behind) - signal
-
-
-def creep(seen: Seen) -> list[np.ndarray]:
-    """Return functions of time alone."""
-    return [seen.elapsed, seen.elapsed**2]
+    model: Model
+    start: float
+    values: np.ndarray
+    left: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,41 +72,35 @@ class Explained:
     ----------
     stage : str
     experiment : Experiment
-    model : Model
-        The base valve.
-    start : float [m]
-        First reading of the base valve.
-    left, missed : float [m]
-        Root mean square of what is missed all the same, and of what the base valve alone misses.
+    missed, left : float [m]
+        Root mean square of what is missed without and with functions of all kinds, the base valve fitted beside them.
     left_by : dict of float [m]
-        What is missed where the stage has functions of one kind alone; the kind that leaves least is first.
-    lead : array, shape (n,) [m]
-        The correction by that kind, as the shift of the reading at rest that it makes.
+        What is missed with functions of one kind alone; the kind that leaves least is first.
+    lead : Trial
+        The one with that kind.
     """
 
     stage: str
     experiment: Experiment
-    model: Model
-    start: float
-    left: float
     missed: float
+    left: float
     left_by: dict[str, float]
-    lead: np.ndarray
+    lead: Trial
 
     @property
     def excess(self) -> float:
         """Squared error beyond the noise that is left. [noise^2]"""
         return max((self.left / self.experiment.noise) ** 2 - 1.0, 0.0)
 
-    def closed(self, left: float) -> float:
-        """Return the share of the squared gap above the noise that is closed where so much is left. [m]"""
-        reducible = max(self.missed**2 - self.experiment.noise**2, 1e-12 * self.missed**2)
-        return float(np.clip((self.missed**2 - left**2) / reducible, 0.0, 1.0))
+    def closed(self, left: float) -> float | None:
+        """Return the share of the squared gap above the noise that is closed where so much is left [m], if any is."""
+        return closed_of(self.missed, left, self.experiment.noise)
 
     def as_json(self) -> dict[str, Any]:
         """Return what diagnosis.json has of it."""
         return {
             "stage": self.stage,
+            "record": self.experiment.name,
             "gap_after": self.left,
             "gap_closed": self.closed(self.left),
             "closed_by": {what: self.closed(left) for what, left in self.left_by.items()},
@@ -243,8 +108,8 @@ class Explained:
 
 
 @dataclass(frozen=True, eq=False)
-class Corrected:
-    """The base valve on one experiment, corrected by functions; points are its own scaled numbers, then their sizes.
+class WithFunctions:
+    """The base valve on one experiment with functions on top; points are its own scaled numbers, then their sizes.
 
     Attributes
     ----------
@@ -295,18 +160,19 @@ class Corrected:
 
     def residuals(self, points: np.ndarray) -> np.ndarray:
         """Return the errors in means of neighbouring samples, each by its weight, and the priors, shape (p, r)."""
-        missed = (self.experiment.position - self.readings(points)) / self.experiment.noise
-        means, counts = in_means(missed)
+        readings = self.readings(points)
+        missed = (self.experiment.position - readings) / self.experiment.noise
+        means, counts = in_means(np.where(np.isfinite(readings), missed, LOST))
         return np.concatenate([means * np.sqrt(counts), (points - self.begin) / self.spreads], axis=1)
 
     def jacobian(self, point: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """Return the derivative of the residuals, shape (r,), at a point by differences, shape (r, m)."""
-        steps = np.where(np.arange(len(point)) < self.own, NUDGE_BASE, NUDGE)
+        steps = np.where(np.arange(len(point)) < self.own, DIFFERENCE, NUDGE)
         steps[point + steps > self.bounds[1]] *= -1.0
         return ((self.residuals(point + np.diag(steps)) - residual) / steps[:, None]).T
 
-    def explain(self) -> tuple[np.ndarray, float]:
-        """Fit all numbers; return the correction, shape (n,), and what is left. [m]"""
+    def explain(self) -> Trial:
+        """Fit all numbers."""
         from scipy.optimize import least_squares
 
         low, high = self.bounds
@@ -315,8 +181,14 @@ class Corrected:
             slopes.residuals, np.clip(self.begin, low + 1e-6, high - 1e-6), jac=slopes.jacobian, bounds=(low, high),
             max_nfev=EVALUATIONS, ftol=PRECISION, xtol=1e-7, x_scale="jac",
         )  # fmt: skip
+        own = found.x[: self.own]
         left = self.experiment.position - self.readings(found.x[None, :])[0]
-        return found.x[self.own :] @ self.functions, float(np.sqrt(np.nanmean(left**2)))
+        return Trial(
+            self.problem.model.with_values(**self.problem.values(own)),
+            self.problem.starts(own)[0],
+            found.x[self.own :] @ self.functions,
+            float(np.sqrt(np.nanmean(left**2))),
+        )
 
 
 def explained_by_stages(
@@ -341,30 +213,31 @@ def explained_by_stages(
 
 @threadpool_limits.wrap(limits=1)
 def explained_by(experiment: Experiment, base: Fit, start: float, stage: str) -> Explained:
-    """Return what one stage explains by its own signals, beside the base valve as it is fitted or without its lags."""
+    """Return what one stage explains by its own signals, beside the base valve as it is fitted or without its lags.
+
+    What the base valve explains of this experiment alone, fitted to it once more, is none of the stage's.
+    """
     pairs = [(each, x) for each, x in zip(base.unknowns, base.found.point, strict=True) if each.experiment < 0]
     unknowns = [*(each for each, _ in pairs), start_unknown(start, 0)]
     fitted = Problem(base.model, [experiment], unknowns, measured([experiment]))
-    point = np.array([*(x for _, x in pairs), 0.0])
-    run = simulate_rows(experiment, fitted.rows(point[None, :], 0), tolerance=SEARCH_TOLERANCE)
-    missed = float(np.sqrt(np.nanmean((experiment.position - run.position[0]) ** 2)))
-    bases = [(each, its, OF_STAGE[stage](seen_by(each, its))) for each, its in (
-        (fitted, point), without_lags(fitted, point)
-    )]  # fmt: skip
-    nothing = np.zeros(len(experiment.time)), missed
+    bases = [(fitted, np.array([*(x for _, x in pairs), 0.0]))]
+    bases.append(without_lags(*bases[0]))
+    functions = [functions_of(stage, *each) for each in bases]
 
-    def best(kinds: Sequence[str]) -> tuple[np.ndarray, float]:
+    def best(kinds: Sequence[str]) -> Trial:
         trials = [
-            beside(problem, begin, [each for kind in kinds for each in functions[kind]], stage)
-            for problem, begin, functions in bases
+            beside(*each, [function for kind in kinds for function in its[kind]], stage)
+            for each, its in zip(bases, functions, strict=True)
         ]
-        return min([nothing, *trials], key=lambda trial: trial[1])
+        return min(trials, key=lambda trial: trial.left)
 
-    kinds = list(bases[0][2])
-    alone = sorted(((kind, *best([kind])) for kind in kinds), key=lambda trial: trial[2])
-    left = min(best(kinds)[1], alone[0][2])
-    left_by = {kind: left for kind, _, left in alone}
-    return Explained(stage, experiment, base.model, start, left, missed, left_by, alone[0][1])
+    kinds = list(functions[0])
+    nothing = best([])
+    alone = {kind: min(best([kind]), nothing, key=lambda trial: trial.left) for kind in kinds}
+    order = sorted(kinds, key=lambda kind: alone[kind].left)
+    lead = alone[order[0]]
+    left_by = {kind: alone[kind].left for kind in order}
+    return Explained(stage, experiment, nothing.left, min(best(kinds).left, lead.left), left_by, lead)
 
 
 def without_lags(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
@@ -380,41 +253,12 @@ def without_lags(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarr
     return Problem(model, problem.experiments, unknowns, problem.used), np.delete(usual, mass)
 
 
-def beside(problem: Problem, point: np.ndarray, own: Sequence[np.ndarray], stage: str) -> tuple[np.ndarray, float]:
-    """Return the correction that functions at a stage make beside a base valve, shape (n,), and what is left. [m]"""
-    functions = np.array(own)
+def beside(problem: Problem, point: np.ndarray, own: Sequence[np.ndarray], stage: str) -> Trial:
+    """Return what functions at a stage, or none, make of the gap beside a base valve."""
+    functions = np.array(own).reshape(len(own), len(problem.experiments[0].time))
     sizes = np.sqrt(np.mean(functions**2, axis=1))
     is_felt = sizes > LEAST_SIZE
     extent = float(np.ptp(problem.experiments[0].position[problem.used[0]]))
     scaled = UNIT * extent * functions[is_felt] / sizes[is_felt, None]
     begin = np.concatenate([point, np.zeros(len(scaled))])
-    return Corrected(problem, scaled, stage == STAGES[-1], begin).explain()
-
-
-def seen_by(problem: Problem, point: np.ndarray) -> Seen:
-    """Return the signals of the base valve at a point in its experiment."""
-    experiment, row = problem.experiments[0], problem.rows(point[None, :], 0)
-    numbers = {name: float(row[name][0]) for name in DRIVING}
-    run = simulate_rows(experiment, row, tolerance=SEARCH_TOLERANCE, with_pressure=True)
-    position, pressure = run.position[0], held(run.pressure)[0]
-    speed = np.gradient(position, experiment.time)
-    driving = numbers["diaphragm_area"] * pressure - numbers["spring_preload"] - numbers["spring_rate"] * position
-    friction = (driving - numbers["viscous_friction"] * speed) / numbers["coulomb_friction"]
-    return Seen(
-        time=experiment.time,
-        current=over_range(experiment.current),
-        pressure=over_range(pressure),
-        position=over_range(position),
-        speed=speed / (float(np.sqrt(np.mean(speed**2))) or 1.0),
-        friction=np.clip(friction, -1.0, 1.0),
-    )
-
-
-def held(pressures: np.ndarray) -> np.ndarray:
-    """Return the pressures that are held from each sample on, of those that stand just before it, shape (p, n)."""
-    return np.concatenate([pressures[:, 1:], pressures[:, -1:]], axis=1)
-
-
-def over_range(signal: np.ndarray) -> np.ndarray:
-    """Return a signal over its range, from 0 to 1."""
-    return (signal - signal.min()) / (float(np.ptp(signal)) or 1.0)
+    return WithFunctions(problem, scaled, stage == STAGES[-1], begin).explain()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from diagnosis.corrections import held
 from diagnosis.own_signals import Explained
 from diagnosis.score import persistence_of
 from identification.experiment import Experiment
@@ -25,6 +25,9 @@ SEEN_BY = {
     "sensor": ("position", "speed", "time"),
 }
 """Quantities over which what a stage would have to do by its own signals is shown."""
+
+STILL = 1e-7
+"""A stem rests that moves less in a period. [m]"""
 
 BINS = 16
 FEWEST = 12
@@ -51,6 +54,8 @@ class Curve:
         count as one.
     share : float
         Part of the residual's variance that the curve explains.
+    is_lead : bool
+        Whether it is no residual but what the stage would have to do by its own signals.
     """
 
     signal: str
@@ -62,14 +67,17 @@ class Curve:
     mean: np.ndarray
     error: np.ndarray
     share: float
+    is_lead: bool = False
 
     def as_json(self) -> dict[str, Any]:
         """Return the curve as diagnosis.json has it."""
         return vars(self)
 
 
-def residual_curves(experiments: Sequence[Experiment], base: Fit) -> list[Curve]:
+def residual_curves(experiments: Sequence[Experiment], base: Fit, explained: Sequence[Explained] = ()) -> list[Curve]:
     """Return what the residuals depend on, for each signal the quantity first that explains most.
+
+    What stages would have to do by their own signals comes last, but for signals whose residual was measured.
 
     Position and, where measured, pressure are compared with the base's own run; the gap is that which the measured
     pressure takes at rest, less that which the current makes; the force is the measured pressure's on the diaphragm,
@@ -78,6 +86,8 @@ def residual_curves(experiments: Sequence[Experiment], base: Fit) -> list[Curve]
     curves = list(curves_of_run(experiments, base))
     if all(experiment.pressure is not None for experiment in experiments):
         curves += curves_of_force(experiments, base.model)
+    measured = {curve.signal for curve in curves}
+    curves += [curve for curve in curves_of_own_signals(explained) if curve.signal not in measured]
     signals = dict.fromkeys(curve.signal for curve in curves)
     return [
         curve
@@ -136,20 +146,30 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
     yield from curves_against("friction", "N", "stem", residual * direction, against)
 
 
-def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
-    """Return the curves of what each stage would have to do by its own signals, beyond what its own numbers can.
+def curves_of_own_signals(explained: Sequence[Explained]) -> Iterator[Curve]:
+    """Yield the curves of what each stage would have to do by its own signals, beyond what its own numbers can.
 
-    Of the functions of these those of the kind are taken that explains most by itself.
-    The force is what the stem would have to overcome beside spring and friction, taken while it moves.
+    Of the functions of these those of the kind are taken that explains most by itself. The force is what the stem would
+    have to overcome beside spring and friction, taken while it moves.
     """
-    curves: list[Curve] = []
     for each in explained:
-        experiment, values = each.experiment, each.model.values
-        run = simulate_model(each.model, experiment, start_position=each.start)
-        pressure, position = run.pressure[0], run.position[0]
+        experiment, lead = each.experiment, each.lead
+        values = lead.model.values
+        run = simulate_model(lead.model, experiment, start_position=lead.start)
+        pressure, position = held(run.pressure)[0], run.position[0]
         speed = _slope(position, experiment.time)
-        direction = np.where(run.mode[0] == 0.0, np.nan, run.mode[0])
-        shift = each.lead * values["spring_rate"] / values["diaphragm_area"]
+        moves = np.diff(position, append=position[-1])
+        direction = np.where(np.abs(moves) > STILL, np.sign(moves), np.nan)
+        force = beyond(-values["spring_rate"] * lead.values * np.abs(direction), position, speed, direction)
+        shift = lead.values * values["spring_rate"] / values["diaphragm_area"]
+        opening, unit, moved = opening_of(lead.model, pressure, shift)
+        by_current = experiment.current if opening == "current" else np.sqrt(experiment.current)
+        signals = {
+            "electromagnet": {opening: (unit, beyond(moved, by_current))},
+            "nozzle": {"pressure": ("Pa", beyond(shift, pressure))},
+            "stem": {"force": ("N", force), "friction": ("N", force * direction)},
+            "sensor": {"reading": ("m", beyond(lead.values, position))},
+        }
         quantities = {
             "current": ("A", experiment.current),
             "pressure": ("Pa", pressure),
@@ -157,23 +177,10 @@ def curves_of_own_signals(explained: Sequence[Explained]) -> list[Curve]:
             "speed": ("m/s", speed),
             "time": ("s", experiment.record_time),
         }
-        force = beyond(-values["spring_rate"] * each.lead * np.abs(direction), position, speed, direction)
-        gap = gap_at(pressure + shift, each.model) - gap_at(pressure, each.model)
-        signals = {
-            "electromagnet": {"gap": ("m", beyond(gap, np.sqrt(experiment.current)))},
-            "nozzle": {"pressure": ("Pa", beyond(shift, pressure))},
-            "stem": {"force": ("N", force), "friction": ("N", force * direction)},
-            "sensor": {"reading": ("m", beyond(each.lead, position))},
-        }
-        told: list[list[Curve]] = []
+        against = {name: quantities[name] for name in SEEN_BY[each.stage] if name != "time" or not experiment.is_loop}
         for signal, (unit, residual) in signals[each.stage].items():
-            against = {name: quantities[name] for name in SEEN_BY[each.stage]}
-            found = list(curves_against(signal, unit, f"{each.stage}, by its own signals", residual, against))
-            # Whatever a record shows goes with the time in it: that says least.
-            told.append(sorted(found, key=lambda curve: (curve.against == "time", -curve.share)))
-        told.sort(key=lambda of_signal: -max((curve.share for curve in of_signal[:1]), default=0.0))
-        curves += chain.from_iterable(told)
-    return curves
+            for curve in curves_against(signal, unit, each.stage, residual, against):
+                yield replace(curve, is_lead=True)
 
 
 def beyond(residual: np.ndarray, *terms: np.ndarray) -> np.ndarray:
@@ -190,6 +197,8 @@ def curves_against(
 ) -> Iterator[Curve]:
     """Yield the mean of a residual over each quantity, in bins of equal count."""
     known = np.isfinite(residual)
+    if not known.any():
+        return
     residual = without_outliers(residual[known])
     lasting = persistence_of(residual)
     whole = float(residual @ residual) or 1.0
@@ -214,6 +223,21 @@ def without_outliers(residual: np.ndarray) -> np.ndarray:
     widest = WIDEST * float(np.median(np.abs(residual)))
     clipped = np.clip(residual, -widest, widest)
     return clipped - clipped.mean()
+
+
+def opening_of(model: Model, pressure: np.ndarray, shift: np.ndarray) -> tuple[str, str, np.ndarray]:
+    """Return what the electromagnet would have to do for a shift of pressures: signal, unit and values, shape (n,).
+
+    Where the current makes the pressure by an affine map that is a current, else a gap.
+
+    Parameters
+    ----------
+    model : Model
+    pressure, shift : arrays, shape (n,) [Pa]
+    """
+    if model.values["pressure_per_current"] > 0.0:
+        return "current", "A", shift / model.values["pressure_per_current"]
+    return "gap", "m", gap_at(pressure + shift, model) - gap_at(pressure, model)
 
 
 def gap_at(pressure: np.ndarray, model: Model) -> np.ndarray:

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from functools import partial
 
 from diagnosis.alone import try_first
-from diagnosis.explaining import AT_NOISE, WORTH_MORE, any_explains, explains, misfit
+from diagnosis.explaining import AT_NOISE, any_explains, explains, leaves_nothing_to_tell, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
     LEADERS,
@@ -109,7 +109,7 @@ def is_explained(tried: Sequence[Candidate], size: int) -> bool:
         return any_explains(tried, generous=True)
     base, *others = tried
     ends = [each for each in others if explains(each, base) and not stands_in(each)]
-    return explains(base, base) or any(len(each.effects) > 1 or misfit(each) < WORTH_MORE for each in ends)
+    return explains(base, base) or any(len(each.effects) > 1 or leaves_nothing_to_tell(each, tried) for each in ends)
 
 
 def is_told(tried: Sequence[Candidate]) -> bool:

@@ -102,11 +102,10 @@ def resemblance(candidates: Sequence[Candidate]) -> dict[str, float]:
 
 
 def with_own_signals(hints: dict[str, float], explained: Sequence[Explained]) -> dict[str, float]:
-    """Return hints at the stages as shares of 1, each weighed by what the stage's own signals leave."""
-    weights = {each.stage: (OWN_NOTICE + each.excess) ** -OWN_SHARPNESS for each in explained}
-    weighed = {stage: hint * weights.get(stage, 1.0) for stage, hint in hints.items()}
-    total = sum(weighed.values())
-    return {stage: hint / total for stage, hint in weighed.items()}
+    """Return hints at the stages as shares of 1, those that were asked weighed by what their own signals leave."""
+    weighed = {each.stage: hints[each.stage] * (OWN_NOTICE + each.excess) ** -OWN_SHARPNESS for each in explained}
+    asked, total = sum(hints[stage] for stage in weighed), sum(weighed.values())
+    return hints | {stage: asked * weight / total for stage, weight in weighed.items()}
 
 
 def hinted(before: float, left: float) -> float:

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.corrections import PLACES, Correction, smallest_correction, stretch_of
+from diagnosis.corrections import PLACES, Correction, closed_of, held, smallest_correction, stretch_of
 from diagnosis.own_signals import Explained, explained_by_stages
-from diagnosis.residual_curves import gap_at
-from diagnosis.stage_gaps import BACK, FRONT, StageGaps, rms, stage_gaps
+from diagnosis.residual_curves import gap_at, opening_of
+from diagnosis.stage_gaps import BACK, FRONT, POSITION_AT_NOISE, StageGaps, rms, stage_gaps
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
 from valvemodel.declarations import STAGES
@@ -109,15 +109,16 @@ def where_of(
     base : Fit
         Of the base to all of them.
     is_unknown : bool
-        Whether no cause was found, so that each stage is asked what its own signals explain; behind a measured
-        pressure, what they explain of what is missed there.
+        Whether no cause was found, so that each stage is asked what its own signals explain; where the pressure was
+        measured those behind it, what they explain of what is missed there.
     pool : Executor or None
         Whose processes are used.
     """
     asked: Sequence[str] = STAGES
     if all(experiment.pressure is not None for experiment in experiments):
         gaps = stage_gaps(experiments, base)
-        found, asked, base = of_measured(gaps, experiments), BACK, gaps.behind
+        found, base = of_measured(gaps, experiments), gaps.behind
+        asked = BACK if rms(gaps.back) > POSITION_AT_NOISE * gaps.position_noise else ()
         stretch, start = most_missed(gaps.driven, base)
     else:
         stretch, start = most_missed(experiments, base)
@@ -160,15 +161,12 @@ def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
     simulated = simulate_model(base.model, stretch, start_position=start)
     missed = rms([stretch.position - simulated.position[0]])
     values = base.model.values
-    pressure = simulated.pressure[0]
+    pressure = held(simulated.pressure)[0]
     by_pressure = before.values * values["spring_rate"] / values["diaphragm_area"]
-    if values["pressure_per_current"] > 0.0:
-        opening = "current", "A", by_pressure / values["pressure_per_current"], stretch.current
-    else:
-        gap = gap_at(pressure, base.model)
-        opening = "gap", "m", gap_at(pressure + by_pressure, base.model) - gap, gap
+    is_affine = values["pressure_per_current"] > 0.0
+    opening = stretch.current if is_affine else gap_at(pressure, base.model)
     outputs = {
-        "electromagnet": (before, *opening),
+        "electromagnet": (before, *opening_of(base.model, pressure, by_pressure), opening),
         "nozzle": (before, "pressure", "Pa", by_pressure, pressure),
         "stem": (before, "force", "N", before.values * values["spring_rate"], values["diaphragm_area"] * pressure),
         "sensor": (after, "reading", "m", after.values, stretch.position),
@@ -193,12 +191,10 @@ def of_correction(
     noise: float,
 ) -> StageGap:
     """Say how large the correction of one stage's output is, in the unit of that output."""
-    reducible = missed**2 - noise**2
-    closed = float(np.clip((missed**2 - correction.left**2) / reducible, 0.0, 1.0)) if reducible > 0.0 else None
     size = rms([values])
     return StageGap(
-        (stage,), CORRECTED, signal, unit, size, None, rms([correction.values]), None, size / range_of(output), closed,
-        correction.freedom,
+        (stage,), CORRECTED, signal, unit, size, None, rms([correction.values]), None, size / range_of(output),
+        closed_of(missed, correction.left, noise), correction.freedom,
     )  # fmt: skip
 
 

@@ -10,12 +10,10 @@ from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_slow, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
+from diagnosis.report.where import leads_of
 
 _TELLING = 0.5
 """Difference of two rivals over the noise, root mean square, from which an experiment tells them apart."""
-_A_LEAD = 0.5
-"""Share of the squared gap from which what a stage's own signals explain by themselves is told as a lead."""
-
 _HARDLY_VISIBLE = 1.0
 """Trace of an effect of typical size over the noise below which it is said to hardly show."""
 
@@ -178,7 +176,8 @@ def designed_of(diagnosis: Mapping[str, Any]) -> str:
 
 def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     """Say for each signal what its residual depends on most; the curves of a signal stand best first."""
-    best = {curve["signal"]: curve for curve in reversed(diagnosis.get("residual_curves") or ())}
+    curves = [curve for curve in diagnosis.get("residual_curves") or () if not curve.get("is_lead")]
+    best = {curve["signal"]: curve for curve in reversed(curves)}
     return tuple(
         f"What is left of the {signal} depends most on {best[signal]['against']}: a curve over it explains "
         f"{percent(best[signal]['share'])} of it."
@@ -229,11 +228,10 @@ def _look(diagnosis: Mapping[str, Any]) -> str:
 
 
 def _lead(diagnosis: Mapping[str, Any]) -> str:
-    """Say what of the named stage's own signals explains most by itself, where that is much."""
+    """Say what of the named stage's own signals explains much by itself."""
     where = diagnosis.get("where") or {}
-    own = {each["stage"]: each["closed_by"] for each in where.get("own_signals") or ()}
-    what, share = next(iter(own.get(where.get("stage"), {}).items()), ("", 0.0))
-    return f" for {what}, which alone would close {percent(share)} of the squared gap" if share >= _A_LEAD else ""
+    what, share = leads_of(where).get(where.get("stage", ""), ("", 0.0))
+    return f" for {what}, which alone would close {percent(share)} of the squared gap" if what else ""
 
 
 def _stage_in_words(diagnosis: Mapping[str, Any]) -> str:

@@ -53,7 +53,7 @@ def curves_picture(name: str, curves: Sequence[Mapping[str, Any]], *, is_wide: b
             if column:
                 axes.tick_params(labelleft=False)
             else:
-                axes.set_ylabel(f"{curve['signal']} left [{shown}]")
+                axes.set_ylabel(f"{curve['signal']} {'needed' if curve.get('is_lead') else 'left'} [{shown}]")
 
     return picture(name, draw, (width, height))
 

@@ -128,8 +128,8 @@ def residual_pictures(curves: Sequence[Mapping[str, Any]]) -> list[Picture]:
     return [
         Picture(
             Markup(curves_picture(f"left-{signal}", own, is_wide=True)),
-            f"{signal.capitalize()} ({own[0]['stage']})" if own[0]["stage"] != "any" else signal.capitalize(),
-            f"Mean of what is left of the {signal} over {_curves_in_words(own)}.",
+            _title_of(own[0]),
+            f"Mean of {'' if own[0].get('is_lead') else 'what is left of '}the {signal} over {_curves_in_words(own)}.",
             narrow=Markup(curves_picture(f"left-{signal}-narrow", own, is_wide=False)),
         )
         for signal, own in by_signal.items()
@@ -153,6 +153,14 @@ def _span(values: np.ndarray, unit: str) -> str:
     known = values[np.isfinite(values)]
     ends = (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
     return f"from {amount(ends[0], unit, like=ends)} to {amount(ends[1], unit, like=ends)}"
+
+
+def _title_of(curve: Mapping[str, Any]) -> str:
+    """Return the title of a signal's curves."""
+    signal = str(curve["signal"])
+    if curve.get("is_lead"):
+        return f"{signal.capitalize()} that the {curve['stage']} would need by its own signals"
+    return f"{signal.capitalize()} ({curve['stage']})" if curve["stage"] != "any" else signal.capitalize()
 
 
 def _curves_in_words(curves: Sequence[Mapping[str, Any]]) -> str:

@@ -15,8 +15,16 @@ _MOSTLY = 0.8
 _SLOW = 0.5
 """Share of the gap below which no slow correction closes it."""
 
-_LEADS = 2
-"""Stages of which it is told what explains most by itself."""
+_MUCH = 0.5
+"""Share of the squared gap from which what a stage's own signals explain by themselves is told as a lead."""
+
+_SEES = {
+    "electromagnet": "the current",
+    "nozzle": "the pressure",
+    "stem": "position and speed",
+    "sensor": "the position that is read",
+}
+"""What goes through a stage, in words."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +67,7 @@ def where_section(diagnosis: Mapping[str, Any]) -> WhereSection:
     regime_map = where.get("regime_map") or {"rows": (), "columns": ()}
     is_measured = _is_measured(stages)
     sentences = _measured_sentences(where) if is_measured else _corrected_sentences(where)
-    sentences += _own_sentences(where, " that is left behind the measured pressure" if is_measured else "")
+    sentences += _own_sentences(where, is_measured=is_measured)
     return WhereSection(
         is_measured,
         sentences,
@@ -137,18 +145,30 @@ def _corrected_sentences(where: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _own_sentences(where: Mapping[str, Any], of_what: str) -> tuple[str, ...]:
-    """Say what each stage explains by its own signals, where that was asked."""
-    own = where.get("own_signals") or ()
+def leads_of(where: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
+    """Return what explains much by itself in the stages that are left open, with the share of the gap, by stage."""
+    leads = {}
+    for each in where.get("own_signals") or ():
+        what, share = next(iter(each["closed_by"].items()))
+        if each["stage"] in (where.get("open_stages") or ()) and is_number(share) and share >= _MUCH:
+            leads[each["stage"]] = what, share
+    return leads
+
+
+def _own_sentences(where: Mapping[str, Any], *, is_measured: bool) -> tuple[str, ...]:
+    """Say what each stage explains by its own signals, where that was asked and anything is to be explained."""
+    own = [each for each in where.get("own_signals") or () if is_number(each["gap_closed"])]
     if not own:
         return ()
-    closed = [f"the {each['stage']} {percent(each['gap_closed'])}" for each in own]
-    leads = [(each["stage"], *next(iter(each["closed_by"].items()))) for each in own[:_LEADS]]
+    closed = [f"in the {each['stage']}, of {_SEES[each['stage']]}, {percent(each['gap_closed'])}" for each in own]
+    of_what = " that is left behind the measured pressure" if is_measured else ""
     return (
-        "An effect can only depend on what goes through its stage, and on time. Corrections that do so, of current,"
-        " pressure, position and speed, or of the position that is read, would close in"
-        f" {listed(closed)} of the squared gap{of_what}.",
-        *(f"In the {stage}, {what} closes most by itself: {percent(share)}." for stage, what, share in leads),
+        "An effect can only depend on what goes through its stage, and on time. Of the squared gap of"
+        f" {own[0]['record']}{of_what}, corrections that do so would close {'; '.join(closed)}.",
+        *(
+            f"In the {stage}, {what} closes {percent(share)} by itself."
+            for stage, (what, share) in leads_of(where).items()
+        ),
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from diagnosis import hiding, judgement
-from diagnosis.explaining import WORTH_MORE
+from diagnosis.explaining import WORTH_MORE, leaves_nothing_to_tell
 from diagnosis.hiding import strongest_start, with_hidden
 from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
@@ -142,14 +142,19 @@ def test_beside_what_hides_in_the_base_an_effect_may_imitate_another(monkeypatch
     assert (judged.unknown > 0.3) == (lost == judgement.MOST_IMITATED)
 
 
-def test_what_is_not_searched_for_could_not_win(monkeypatch):
+@pytest.mark.parametrize("least", [1.0, 0.9])
+def test_what_is_not_searched_for_could_not_win(monkeypatch, least):
+    """Noise that was taken too large leaves all that is right below 1."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
-    near_none = judge([candidate(WORTH_MORE), replace(candidate(1.0, "magnetic_saturation"), freedom=1)])
-    assert near_none.probabilities[0] > 2.0 * near_none.probabilities[1]
-    single = replace(candidate(WORTH_MORE, "magnetic_saturation"), freedom=1)
-    pair = replace(candidate(1.0, "magnetic_saturation", "coil_lag"), freedom=2)
-    near_single = judge([candidate(40.0), single, pair])
-    assert near_single.probabilities[1] > 2.0 * near_single.probabilities[2]
+    best = replace(candidate(least, "magnetic_saturation"), freedom=1)
+    near = [candidate(0.999 * WORTH_MORE * least), best]
+    assert leaves_nothing_to_tell(near[0], near)
+    assert judge(near).probabilities[0] > 2.0 * judge(near).probabilities[1]
+    single = replace(candidate(0.999 * WORTH_MORE * least, "magnetic_saturation"), freedom=1)
+    pair = replace(candidate(least, "magnetic_saturation", "coil_lag"), freedom=2)
+    tried = [candidate(40.0), single, pair]
+    assert leaves_nothing_to_tell(single, tried)
+    assert judge(tried).probabilities[1] > 2.0 * judge(tried).probabilities[2]
 
 
 @pytest.mark.parametrize(("alone", "lost"), [(40.0, 0.0), (2.8, judgement.MOST_IMITATED)])
