@@ -210,8 +210,7 @@ def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> N
     assert [each.stage for each in where.explained] == ["stem", "sensor"]
     assert where.explained[0].as_json()["gap_closed"] > 0.6
     assert "behind the measured pressure" in where_section({"where": where.as_json()}).sentences[-1]
-    best = max(curves_of_own_signals(where.explained[:1]), key=lambda curve: curve.share)
-    assert (best.signal, best.against) == ("friction", "position")
+    assert next(iter(where.explained[0].left_by)) == "friction by position"
 
 
 def test_nothing_is_asked_where_a_cause_was_found(given: Model) -> None:
