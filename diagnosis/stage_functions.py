@@ -111,7 +111,7 @@ def of_electromagnet(seen: Seen) -> tuple[Functions, Functions]:
     current, gain = seen.current, seen.gain
     loops = [play(current, each) for each in PLAYS]
     loops.append(loops[1] * (current - 0.5))
-    still = {"a gap by current": along(current), "a loop of the current": [gain * each for each in loops]}
+    still = {"another curve of the current": along(current), "a loop of the current": [gain * each for each in loops]}
     return still, {
         "a lag of the current": [gain * seen.lag(current, each) for each in LAGS],
         "a gap that creeps with time": [gain * each for each in seen.creep()],
@@ -125,7 +125,7 @@ def of_nozzle(seen: Seen) -> tuple[Functions, Functions]:
     either = [part for each in lags for part in (np.maximum(each, 0.0), np.minimum(each, 0.0))]
     rate = np.abs(np.gradient(pressure + seen.lag(pressure, SMOOTHED), seen.time))
     drawn = [rate + seen.lag(rate, each) for each in (CARRIED, SLOW[0])]
-    return {"another pressure by pressure": along(pressure)}, {
+    return {"another curve of the pressure": along(pressure)}, {
         "a lag of the pressure": [*either, lags[-1] * pressure],
         "a dead time of the pressure": [seen.later(pressure, each) for each in DELAYS],
         "a pressure that sags when it changes": [*(seen.lag(pressure, each) for each in SLOW), *drawn],
@@ -151,7 +151,7 @@ def of_sensor(seen: Seen) -> tuple[Functions, Functions]:
     """Return functions of the position."""
     position = seen.position
     still = {
-        "another reading by position": along(position),
+        "another curve of the reading": along(position),
         "a play of the reading": [play(position, each) for each in PLAYS],
     }
     return still, {

@@ -19,10 +19,10 @@ _MUCH = 0.5
 """Share of the squared gap from which what a stage's own signals explain by themselves is told as a lead."""
 
 _SEES = {
-    "electromagnet": "the current",
-    "nozzle": "the pressure",
-    "stem": "position and speed",
-    "sensor": "the position that is read",
+    "electromagnet": "current",
+    "nozzle": "pressure",
+    "stem": "position, speed and side of the friction",
+    "sensor": "position",
 }
 """What goes through a stage, in words."""
 
@@ -160,11 +160,11 @@ def _own_sentences(where: Mapping[str, Any], *, is_measured: bool) -> tuple[str,
     own = [each for each in where.get("own_signals") or () if is_number(each["gap_closed"])]
     if not own:
         return ()
-    closed = [f"in the {each['stage']}, of {_SEES[each['stage']]}, {percent(each['gap_closed'])}" for each in own]
+    closed = [f"in the {each['stage']} ({_SEES[each['stage']]}) {percent(each['gap_closed'])}" for each in own]
     of_what = " that is left behind the measured pressure" if is_measured else ""
     return (
         "An effect can only depend on what goes through its stage, and on time. Of the squared gap of"
-        f" {own[0]['record']}{of_what}, corrections that do so would close {'; '.join(closed)}.",
+        f" {own[0]['record']}{of_what}, corrections that do so would close {listed(closed)}.",
         *(
             f"In the {stage}, {what} closes {percent(share)} by itself."
             for stage, (what, share) in leads_of(where).items()
