@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from identification.experiment import Experiment
-from identification.fit import Fit
-from identification.uncertainty import estimates
+from identification.fit import Fit, measured
+from identification.uncertainty import Estimate, rms_of
 from valvemodel.model import Model
 
 
@@ -37,7 +35,9 @@ class BaseNumber:
     gap_as_given: float
 
 
-def base_numbers(given: Model, base: Fit, found: Fit, experiments: Sequence[Experiment]) -> list[BaseNumber]:
+def base_numbers(
+    given: Model, base: Fit, found: Fit, told: Sequence[Estimate], experiments: Sequence[Experiment]
+) -> list[BaseNumber]:
     """Return the numbers of the base valve that were fitted, the one whose change closes most of the gap first.
 
     Parameters
@@ -45,8 +45,16 @@ def base_numbers(given: Model, base: Fit, found: Fit, experiments: Sequence[Expe
     given : Model
     base, found : Fit
         To all experiments: of the base alone, and with the cause that is shown.
+    told : sequence of Estimate
+        Of the numbers of the latter.
     experiments : sequence of Experiment
     """
+    masks = measured(experiments)
+
+    def gap_with(name: str) -> float:
+        put_back = found.model.with_values(**{name: given.values[name]})
+        return rms_of(replace(found, model=put_back), experiments, masks)
+
     numbers = [
         BaseNumber(
             each.name,
@@ -55,15 +63,9 @@ def base_numbers(given: Model, base: Fit, found: Fit, experiments: Sequence[Expe
             base.model.values[each.name],
             each.value,
             each.std,
-            gap_of(replace(found, model=found.model.with_values(**{each.name: given.values[each.name]})), experiments),
+            gap_with(each.name),
         )
-        for each in estimates(found)
+        for each in told
         if each.name in given.values
     ]
     return sorted(numbers, key=lambda number: -number.gap_as_given)
-
-
-def gap_of(fit: Fit, experiments: Sequence[Experiment]) -> float:
-    """Return the root mean square of measured less simulated position. [m]"""
-    errors = [each.position - fit.simulated_on(each).position[0] for each in experiments]
-    return float(np.sqrt(np.nanmean(np.concatenate(errors) ** 2)))

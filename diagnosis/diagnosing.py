@@ -34,7 +34,7 @@ from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
 from identification.holdout import Holdout, hold_out
 from identification.timing import experiments_of
-from identification.uncertainty import estimates
+from identification.uncertainty import Estimate, estimates
 from valvemodel.effects import are_aliases, effect_of_key
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
@@ -307,9 +307,11 @@ def diagnose_with(
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
     whole_base = fitted_to_all(base, experiments)
-    causes[0] = replace(with_parameters(causes[0], whole), hiding=hiding)
+    told = estimates(whole)
+    causes[0] = replace(with_parameters(causes[0], whole, told), hiding=hiding)
     if verdict == "unknown":
         progress("asking each stage what its own signals explain", 0.95)
+    found = (whole, told) if verdict == "effect" else (whole_base, estimates(whole_base))
     stage_gaps = where_of(experiments, whole_base, is_unknown=verdict == "unknown", pool=pool)
     stage_probability = stage_probabilities(verdict, tried, judgement, stage_gaps.measured_shares, stage_gaps.explained)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
@@ -334,7 +336,7 @@ def diagnose_with(
         holdout=holdout,
         given=model,
         base=whole_base,
-        base_numbers=base_numbers(model, whole_base, whole if verdict == "effect" else whole_base, experiments),
+        base_numbers=base_numbers(model, whole_base, *found, experiments),
         found=whole,
         candidates=tuple(effect.key for effect in library),
         tried=tried,
@@ -415,10 +417,10 @@ def plain_parameters(fit: Fit) -> dict[str, dict[str, dict[str, Any]]]:
     }
 
 
-def with_parameters(cause: Cause, fit: Fit) -> Cause:
+def with_parameters(cause: Cause, fit: Fit, told: Sequence[Estimate]) -> Cause:
     """Return a cause with the parameters of the fit to all data and their uncertainty."""
     parameters = plain_parameters(fit)
-    for estimate in estimates(fit):
+    for estimate in told:
         for values in parameters.values():
             if estimate.name in values:
                 values[estimate.name]["std"] = estimate.std

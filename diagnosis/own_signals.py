@@ -20,7 +20,7 @@ from diagnosis.stage_functions import functions_of
 from identification.experiment import Experiment, simulate_rows
 from identification.fit import Fit, measured
 from identification.problem import DIFFERENCE, LOST, SEARCH_TOLERANCE, Problem
-from identification.search import Slopes
+from identification.search import descend
 from identification.unknowns import start_unknown
 from valvemodel.declarations import STAGES
 from valvemodel.model import Model
@@ -126,6 +126,8 @@ class WithFunctions:
     functions: np.ndarray
     is_reading: bool
     begin: np.ndarray
+    has_series = False
+    """No number is one of a series that costs a run each."""
 
     @property
     def experiment(self) -> Experiment:
@@ -165,28 +167,21 @@ class WithFunctions:
         means, counts = in_means(np.where(np.isfinite(readings), missed, LOST))
         return np.concatenate([means * np.sqrt(counts), (points - self.begin) / self.spreads], axis=1)
 
-    def jacobian(self, point: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        """Return the derivative of the residuals, shape (r,), at a point by differences, shape (r, m)."""
+    def jacobian(self, point: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Return the derivative of the residuals, `known` at a point, there by differences, shape (r, m)."""
         steps = np.where(np.arange(len(point)) < self.own, DIFFERENCE, NUDGE)
         steps[point + steps > self.bounds[1]] *= -1.0
-        return ((self.residuals(point + np.diag(steps)) - residual) / steps[:, None]).T
+        return ((self.residuals(point + np.diag(steps)) - known) / steps[:, None]).T
 
     def explain(self) -> Trial:
         """Fit all numbers."""
-        from scipy.optimize import least_squares
-
-        low, high = self.bounds
-        slopes = Slopes(lambda point: self.residuals(point[None, :])[0], self.jacobian, 1)
-        found = least_squares(
-            slopes.residuals, np.clip(self.begin, low + 1e-6, high - 1e-6), jac=slopes.jacobian, bounds=(low, high),
-            max_nfev=EVALUATIONS, ftol=PRECISION, xtol=1e-7, x_scale="jac",
-        )  # fmt: skip
-        own = found.x[: self.own]
-        left = self.experiment.position - self.readings(found.x[None, :])[0]
+        point = descend(self, self.begin, evaluations=EVALUATIONS, precision=PRECISION).point
+        own = point[: self.own]
+        left = self.experiment.position - self.readings(point[None, :])[0]
         return Trial(
             self.problem.model.with_values(**self.problem.values(own)),
             self.problem.starts(own)[0],
-            found.x[self.own :] @ self.functions,
+            point[self.own :] @ self.functions,
             float(np.sqrt(np.nanmean(left**2))),
         )
 

@@ -163,10 +163,10 @@ def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
     values = base.model.values
     pressure = held(simulated.pressure)[0]
     by_pressure = before.values * values["spring_rate"] / values["diaphragm_area"]
-    is_affine = values["pressure_per_current"] > 0.0
-    opening = stretch.current if is_affine else gap_at(pressure, base.model)
+    opening, unit, moved = opening_of(base.model, pressure, by_pressure)
+    opened = stretch.current if opening == "current" else gap_at(pressure, base.model)
     outputs = {
-        "electromagnet": (before, *opening_of(base.model, pressure, by_pressure), opening),
+        "electromagnet": (before, opening, unit, moved, opened),
         "nozzle": (before, "pressure", "Pa", by_pressure, pressure),
         "stem": (before, "force", "N", before.values * values["spring_rate"], values["diaphragm_area"] * pressure),
         "sensor": (after, "reading", "m", after.values, stretch.position),

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Required, TypedDict, Unpack
+from typing import TYPE_CHECKING, Protocol, Required, TypedDict, Unpack
 
 import numpy as np
 
@@ -98,14 +98,25 @@ class Slopes:
         return slopes
 
 
+class Residuals(Protocol):
+    """What is followed down: weighted residuals of scaled points, as `Problem` has them."""
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]: ...
+    @property
+    def has_series(self) -> bool: ...
+    def residuals(self, points: np.ndarray) -> np.ndarray: ...
+    def jacobian(self, point: np.ndarray, known: np.ndarray) -> np.ndarray: ...
+
+
 def descend(
-    problem: Problem, start: np.ndarray, *, evaluations: int = 25, precision: float = 1e-6, renewed: int = 1
+    problem: Residuals, start: np.ndarray, *, evaluations: int = 25, precision: float = 1e-6, renewed: int = 1
 ) -> Found:
     """Follow the residuals down from a start (trust-region reflective, scipy).
 
     Parameters
     ----------
-    problem : Problem
+    problem : Residuals
     start : array, shape (unknowns,)
     evaluations : int
         Points at most.

@@ -11,6 +11,7 @@ from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.report.base_numbers import number_rows, refit_sentence
 from identification.experiment import experiment_of
 from identification.fit import fit_base, simulate_model
+from identification.uncertainty import estimates
 from valvemodel.records import Record
 
 
@@ -25,7 +26,7 @@ def told(given):
     noisy = clean + 1e-4 * np.random.default_rng(1).standard_normal(len(time))
     experiment = experiment_of(Record.from_arrays(name="stiff", time=time, current=plant_current, position=noisy))
     base = fit_base(given, [experiment])
-    return given, [experiment], base, base_numbers(given, base, base, [experiment])
+    return given, [experiment], base, base_numbers(given, base, base, estimates(base), [experiment])
 
 
 def test_number_that_differs_matters_most_and_the_others_are_as_given(told):
