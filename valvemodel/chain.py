@@ -10,9 +10,9 @@ from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, has_coil_lag, rest_electromagnet
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.linkage import drag_linkage, shift_linkage
-from valvemodel.stages.motion import advance_held, advance_stem, glide, glide_part, plan_stem
+from valvemodel.stages.motion import advance_held, advance_stem, glides, glides_through_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, has_leak, is_amplified, rest_nozzle
-from valvemodel.stages.part import hold_pressure, is_coarse, lay_part
+from valvemodel.stages.part import hold_pressure, is_coarse, is_of_a_search, lay_part
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
@@ -33,9 +33,6 @@ CHATTER = 64
 
 MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
-
-OF_A_SEARCH = 5e-6
-"""Tolerance from which a run serves a search among many. [m]"""
 
 MOST_STEPS_OF_A_SEARCH, STEPS_PER_SECOND_OF_A_SEARCH = 60, 2e3
 """Steps there: numbers that make a stem chatter a thousand times in a hold are none of a valve."""
@@ -147,7 +144,7 @@ def move_by_events(p, state, memory, time, used, duration, tolerance):
     What is too stiff to be followed in a bounded number of steps is followed at ten times the tolerance, and so on.
     """
     in_a_row, pause, steps, most = 0, SHORTEST_STEP, 0, MOST_STEPS + STEPS_PER_SECOND * duration
-    if tolerance >= OF_A_SEARCH:
+    if is_of_a_search(tolerance):
         most = MOST_STEPS_OF_A_SEARCH + STEPS_PER_SECOND_OF_A_SEARCH * duration
     while used < duration and tolerance <= COARSEST:
         steps += 1
@@ -185,7 +182,7 @@ def slip_on(p, state, memory, pressure, time, duration, tolerance):
 @inlined
 def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
-    if state.plan_plain == 1.0 and glide(p, state, pressure, duration):
+    if glides(p, state, pressure, duration):
         drag_linkage(p, state)
     else:
         slip_on(p, state, memory, pressure, time, duration, tolerance)
@@ -214,7 +211,7 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
             move_stem(p, state, memory, state.pressure, now, left, tolerance)
             return
         length = lay_part(p, state, memory, drive, now, left, tolerance)
-        if state.plan_plain == 1.0 and glide_part(p, state, memory):
+        if glides_through_part(p, state, memory):
             drag_linkage(p, state)
         else:
             move_by_events(p, state, memory, now, 0.0, length, tolerance)

@@ -135,3 +135,18 @@ def test_stem_is_put_no_deeper_into_a_stop_than_where_friction_holds_it(stop, co
 def test_a_settled_loop_with_it_has_no_closed_form():
     assert settles_in_closed_form(base_model().with_effect("end_stop", **STOPS))
     assert not settles_in_closed_form(stopped(1e-7))
+
+
+@pytest.mark.parametrize("compliance", [2e-11, 2e-9, 2e-8, 2e-7, 2e-6])
+@pytest.mark.parametrize("key", ["chamber_filling", "coil_lag", "supply_droop", "load_force"])
+def test_a_search_lets_a_pressed_stem_follow_the_force_within_a_few_of_its_tolerances(key, compliance):
+    """A pressure or load that moves pushes it into the stop as far as friction lets it, swing by swing or at once."""
+    model = stopped(compliance, with_effects(base_model(), key))
+    time, current = ramps_and_steps(seconds=12.0, seed=1)
+    exact, searched = (run(model, time, current, tolerance=tolerance) for tolerance in (TOLERANCE, SEARCH_TOLERANCE))
+    dead = run(model.with_effect("end_stop", **STOPS, stop_compliance=0.0), time, current)
+    off = np.abs(searched - exact)
+    assert np.sqrt(np.mean(off**2)) < 0.5 * SEARCH_TOLERANCE
+    assert off.max() < 5.0 * SEARCH_TOLERANCE
+    if compliance >= 2e-8:
+        assert np.abs(exact - dead).max() > 4.0 * off.max()

@@ -8,8 +8,9 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.load import has_load
-from valvemodel.stages.part import is_coarse, pressure_at
+from valvemodel.stages.part import PRESSURE_SHARE, is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, time_on_bristles
+from valvemodel.stages.pressed import may_settle, settle_on_stop
 from valvemodel.stages.response import remember_response
 from valvemodel.stages.rest import break_away, breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
@@ -25,6 +26,7 @@ from valvemodel.stages.stem import (
     highest_position,
     is_linear,
     lowest_position,
+    reach_of_tight_spot,
     room_to,
     sliding_friction,
     tangent_stiffness,
@@ -81,20 +83,22 @@ def plan_stem(p, state, tolerance):
         and p.area_curvature == 0.0
         and p.spring_hardening == 0.0
         and p.spring_progression == 0.0
-        and p.tight_spot_excess == 0.0
         and p.friction_area == 0.0
-        and p.stop_compliance == 0.0
         and not has_lag(p)
     )
+    state.plan_clear = p.tight_spot_excess == 0.0 and p.stop_compliance == 0.0
+    state.plan_reach = reach_of_tight_spot(p, PRESSURE_SHARE * tolerance * p.spring_rate)
+    state.plan_glides = state.plan_plain == 1.0 and p.stribeck_ratio == 1.0
     state.plan_falling = (
         not is_stiff
         and state.plan_plain == 1.0
+        and state.plan_clear == 1.0
         and p.stribeck_ratio > 1.0
         and p.stribeck_shape == 1.0
         and p.stribeck_tail == 0.0
         and p.stick_speed == STOP_SPEED
     )
-    state.plan_steady = state.plan_plain == 1.0 and state.plan_linear == 1.0
+    state.plan_steady = state.plan_plain == 1.0 and state.plan_clear == 1.0 and state.plan_linear == 1.0
     state.plan_bowed = has_lag(p) and (p.linkage_bow != 0.0 or p.linkage_skew != 0.0)
     # The remaining closed forms need the events.
     state.plan_closed = state.plan_linear == 1.0 and state.plan_varies == 0.0 and state.plan_bowed == 0.0
@@ -110,10 +114,48 @@ def plan_stem(p, state, tolerance):
 
 @inlined
 def plan_friction(p, state):
-    """Write down the friction either way of a stem of plain forces."""
-    state.plan_rising_friction = sliding_friction(p, RISING, 0.0, 0.0, 0.0)
-    state.plan_falling_friction = sliding_friction(p, FALLING, 0.0, 0.0, 0.0)
+    """Write down the friction either way of a stem of plain forces, off any tight spot."""
+    state.plan_rising_friction = sliding_friction(p, RISING, math.inf, 0.0, 0.0)
+    state.plan_falling_friction = sliding_friction(p, FALLING, math.inf, 0.0, 0.0)
     state.quiet_friction = state.plan_rising_friction if state.quiet_side > 0.0 else -state.plan_falling_friction
+
+
+@inlined
+def is_clear(p, state, low, high):
+    """Return whether neither a tight spot nor a stop that gives way acts between two positions."""
+    if p.stop_compliance > 0.0 and not p.lower_stop <= low <= high <= p.upper_stop:
+        return False
+    beyond = state.plan_reach + p.tight_spot_position
+    return p.tight_spot_excess == 0.0 or low >= beyond or high <= p.tight_spot_position - state.plan_reach
+
+
+@inlined
+def may_glide(p, state):
+    """Return whether the forces on the stem are plain where it is."""
+    return state.plan_plain == 1.0 and (state.plan_clear == 1.0 or is_clear(p, state, state.position, state.position))
+
+
+@inlined
+def stays_clear(p, state, position, velocity):
+    """Return whether the way from a position was clear; else put the stem back to there, at its velocity there."""
+    if state.plan_clear == 1.0 or is_clear(p, state, min(position, state.position), max(position, state.position)):
+        return True
+    state.position, state.velocity = position, velocity
+    return False
+
+
+@inlined
+def glides(p, state, pressure, duration):
+    """Move a stem through a duration if its forces are plain and nothing happens in it; return whether that was so."""
+    position, velocity = state.position, state.velocity
+    return may_glide(p, state) and glide(p, state, pressure, duration) and stays_clear(p, state, position, velocity)
+
+
+@inlined
+def glides_through_part(p, state, memory):
+    """Move a stem through a part of moving pressure as `glides` does through a duration."""
+    position, velocity = state.position, state.velocity
+    return may_glide(p, state) and glide_part(p, state, memory) and stays_clear(p, state, position, velocity)
 
 
 @inlined
@@ -127,7 +169,7 @@ def glide(p, state, pressure, duration):
     if side == STUCK:
         net = p.diaphragm_area * pressure - p.spring_preload - p.spring_rate * state.position
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
-    if state.plan_steady == 0.0:
+    if state.plan_glides == 0.0:
         return False
     remember_glide(p, state, side, duration)
     # In a closed loop the pressure comes last; all else is summed before.
@@ -187,7 +229,7 @@ def glide_part(p, state, memory):
         can_rise = p.diaphragm_area * (highest + slack) - hold > state.plan_rising_friction * state.plan_ratio
         can_fall = p.diaphragm_area * (lowest - slack) - hold < -state.plan_falling_friction * state.plan_ratio
         return not (can_rise or can_fall)
-    if state.plan_steady == 0.0:
+    if state.plan_glides == 0.0:
         return False
     mass, speed = p.stem_mass, side * state.velocity
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
@@ -265,6 +307,10 @@ def advance_stem(p, state, memory, time, duration, tolerance):
 
     A linear slip under held forces is one closed-form step; else a slip is integrated.
     """
+    if may_settle(p, state, tolerance):
+        settled = settle_on_stop(p, state, memory, time, duration, tolerance)
+        if settled > 0.0:
+            return settled
     if state.plan_elastic == 1.0:
         if is_coarse(tolerance):
             return advance_linearised(p, state, memory, time, duration, tolerance)

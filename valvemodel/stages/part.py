@@ -34,6 +34,9 @@ from valvemodel.stages.supply import lay_supply
 COARSE = 1e-7
 """Tolerance from which a run is coarse: fewer nodes. [m]"""
 
+OF_A_SEARCH = 5e-6
+"""Tolerance from which a run serves a search among many. [m]"""
+
 PRESSURE_SHARE = 0.1
 """Share of the tolerance that the polynomial of the pressure may use."""
 
@@ -57,6 +60,12 @@ CURRENT_SPAN = 4e-3
 def is_coarse(tolerance):
     """Return whether a run is a coarse one."""
     return tolerance >= COARSE
+
+
+@inlined
+def is_of_a_search(tolerance):
+    """Return whether a run serves a search among many."""
+    return tolerance >= OF_A_SEARCH
 
 
 @inlined

@@ -446,6 +446,15 @@ def tight_spot_bump(p, distance):
 
 
 @compiled
+def reach_of_tight_spot(p, force):
+    """Return how far from its middle a tight spot adds less friction than a force to a stem that slips. [m]"""
+    excess = abs(p.tight_spot_excess) * p.coulomb_friction * (1.0 + abs(p.friction_asymmetry))
+    if excess <= force:
+        return 0.0
+    return p.tight_spot_width * math.log(excess / force) ** (1.0 / p.tight_spot_exponent)
+
+
+@compiled
 def sliding_friction(p, side, position, pressure, time):
     """Return the Coulomb friction of a stem that moves to a side, at high speed. [N]"""
     friction = p.coulomb_friction
