@@ -145,6 +145,30 @@ def test_clock_runs_over_midnight_and_leap_day(tmp_path):
     np.testing.assert_array_equal(record.time, [0, 86400, 86400.75])
 
 
+def test_clock_beside_a_column_of_dates_runs_over_midnight(tmp_path):
+    rows = ["2028-02-28,23:59:59.5", "2028-02-29,23:59:59.5", "2028-03-01,00:00:00.25"]
+    content = "Date,Time,current [mA]\n" + "\n".join(f"{row},12" for row in rows)
+    record = read(tmp_path, content, needs=("time", "current"))
+    np.testing.assert_array_equal(record.time, [0, 86400, 86400.75])
+    assert any("0 s is 2028-02-28 23:59:59.5" in warning for warning in record.warnings)
+
+
+def test_a_column_of_dates_that_are_none_is_ignored(tmp_path):
+    content = text(
+        times=[f"{number},{stamp}" for number, stamp in enumerate(stamps(CLOCKS["time of day"]))],
+        header="date,time,current [mA],pressure [kPa],position [mm]",
+    )
+    assert_is_the_record(read(tmp_path, content), rtol=1e-12)
+
+
+def test_clock_of_minutes_and_seconds_is_read(tmp_path):
+    rows = [("0:58.5", 4), ("1:00.25", 8), ("75:00,000", 12)]
+    content = "time;current [mA]\n" + "\n".join(f"{time};{current}" for time, current in rows)
+    record = read(tmp_path, content, needs=("time", "current"))
+    np.testing.assert_allclose(record.time, [0.0, 1.75, 75 * 60 - 58.5], rtol=1e-15)
+    assert any("time read as minutes and seconds" in warning for warning in record.warnings)
+
+
 def test_parquet_may_hold_instants(tmp_path):
     start = polars.Series([0]).cast(polars.Datetime("us"))[0]
     instants = polars.Series("timestamp", (TIME * 1e6).round().astype(np.int64)).cast(polars.Datetime("us"))

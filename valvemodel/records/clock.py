@@ -1,4 +1,4 @@
-"""Dates and times of day, as ISO 8601, spreadsheets and historians write them."""
+"""Dates and times of day, as ISO 8601, spreadsheets and historians write them; minutes and seconds of a stopwatch."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ _DAY, _MONTH, _YEAR = r"(?P<day>\d{1,2})", r"(?P<month>\d{1,2})", r"(?P<year>\d{
 _EITHER = r"(?P<first>\d{1,2})[-/](?P<second_part>\d{1,2})"
 _SHORT_YEAR = r"(?P<year>\d{2}(?:\d{2})?)"
 _NAMED = rf"(?P<month_name>[A-Za-z]{{3}})[-\s]{_SHORT_YEAR}"
+TIME_OF_DAY = "time of day"
 _FORMS = {
     "ISO date and time": rf"{_YEAR}[-/.]{_MONTH}[-/.]{_DAY}[T\s]\s*{_OF_DAY}{_ZONE}",
     "day.month.year and time": rf"{_DAY}[.]{_MONTH}[.]{_SHORT_YEAR},?\s+{_OF_DAY}",
     "date with slashes and time": rf"{_EITHER}[-/]{_YEAR},?\s+{_OF_DAY}",
     "day-month name-year and time": rf"{_DAY}[-\s]{_NAMED}\s+{_OF_DAY}",
     "time of day": _OF_DAY,
+    "minutes and seconds": r"(?P<minute>\d{1,3}):(?P<second>\d{2})[.,](?P<fraction>\d{1,9})\d*",
 }
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
@@ -40,6 +42,15 @@ def form_of(text: str) -> str | None:
         if re.fullmatch(pattern, text, re.ASCII):
             return form
     return None
+
+
+def with_dates(times: polars.Series, dates: polars.Series) -> polars.Series | None:
+    """Return times of day with the dates of another column before them, or None where the two make no date and time."""
+    if first_form(times) != TIME_OF_DAY:
+        return None
+    together = polars.select(polars.concat_str(dates.cast(polars.String), times, separator=" ")).to_series()
+    form = first_form(together)
+    return None if form in (None, TIME_OF_DAY) else together
 
 
 def first_form(cells: polars.Series) -> str | None:
@@ -76,7 +87,7 @@ def read_clock(texts: polars.Series, form: str, where: str) -> tuple[polars.Seri
     """
     pattern = "^" + _FORMS[form].replace(r"\d", "[0-9]") + "$"
     parts = texts.str.extract_groups(pattern).struct.unnest()
-    matched = texts.str.contains(pattern) & parts["hour"].is_not_null()
+    matched = texts.str.contains(pattern) & parts["minute"].is_not_null()
 
     def number(name: str, missing: int = 0) -> polars.Series:
         if name not in parts.columns:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import stat
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from valvemodel.errors import InputError
 from valvemodel.quantities import is_unit_of
 from valvemodel.records.checks import check_column, check_length, check_motion
-from valvemodel.records.clock import first_form
+from valvemodel.records.clock import first_form, with_dates
 from valvemodel.records.column import Cells, Column, has_decimal_comma, read_column
 from valvemodel.records.delimited import read_delimited
 from valvemodel.records.doubts import doubts
@@ -171,6 +172,7 @@ def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[di
         Cells(name, sheet.headers[number], series, sheet)
         for name, number, series in zip(names, numbers, sheet.read(numbers), strict=True)
     ]
+    cells = [_dated(each, sheet) if each.name == "time" else each for each in cells]
     has_comma = has_decimal_comma(cells)
     warnings = _notes(sheet, has_comma=has_comma)
     columns = {}
@@ -185,6 +187,13 @@ def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[di
         else:
             warnings += columns[one.name].notes
     return columns, warnings
+
+
+def _dated(times: Cells, sheet: Sheet) -> Cells:
+    """Return times of day with the dates of a column `date`, if there is one: midnight does not start them anew."""
+    number = next((number for number, header in enumerate(sheet.headers) if header.name == "date"), None)
+    together = None if number is None else with_dates(times.series, sheet.read([number])[0])
+    return times if together is None else replace(times, series=together)
 
 
 def _check_no_times(sheet: Sheet, found: dict[str, list[int]]) -> None:
