@@ -131,6 +131,7 @@ class IndependentChain:
         if self.chamber_filling_time > 0.0:
             own = self.chamber_filling_time * (1.0 + self.filling_growth * x[CHAMBER] / self.supply_pressure)
             excess = self.inflow(x[CHAMBER], gap) - self.inflow(pressure, gap)
+            own /= 1.0 + self.filling_of_gas * x[CHAMBER] / 101325.0
             rates[CHAMBER] = excess * self.supply_pressure / own
             pressure = x[CHAMBER]
         if self.fill_time > 0.0 or self.vent_time > 0.0:

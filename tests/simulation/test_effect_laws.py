@@ -23,6 +23,7 @@ from valvemodel.stages.bow import bow, bow_slope, unbow
 
 BASE = base_model()
 ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
+GAS = {"chamber_filling_time": 0.2, "filling_growth": 0.5, "filling_of_gas": 1.0}
 PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
 BOUC_WEN = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.4, "bouc_wen_gamma": 0.35}
 SMEARING = {"transport_delay": 0.14, "line_dispersion": 0.3}
@@ -34,6 +35,7 @@ ZERO_CREEP = {"sensor_drift_rate": 4e-4, "sensor_drift_time": 6.0, "sensor_drift
 LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
     "bouc_wen": (BOUC_WEN, {"hysteresis_half_width": 0.0}),
+    "chamber_filling": (GAS, {"chamber_filling_time": 0.0}),
     "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
     "transport_delay": (SMEARING, {"transport_delay": 0.0}),
     "linkage_nonlinearity": (SLOT, {"linkage_bow": 0.0, "linkage_skew": 0.0}),
@@ -44,7 +46,7 @@ LAWS = {
 
 EFFECT_OF = {"bouc_wen": "magnetic_hysteresis"}
 
-INTEGRATED = {"asymmetric_filling": 3e-6, "transport_delay": 3e-6, "gap_drift": 3e-6}
+INTEGRATED = {"chamber_filling": 3e-6, "asymmetric_filling": 3e-6, "transport_delay": 3e-6, "gap_drift": 3e-6}
 """How far laws without a closed form may be off at the default accuracy. [m]"""
 
 
@@ -213,6 +215,25 @@ def test_orifices_fill_and_vent_as_their_equation_has_it():
         begin, end = shares[sample], shares[sample + 6]
         taken, _ = quad(lambda s: 1.0 / (np.sqrt(1.0 - s) - np.sqrt((1.0 / aim - 1.0) * s)), begin, end, epsabs=1e-12)  # noqa: B023
         assert time_constant * taken == pytest.approx(time[sample + 6] - time[sample], abs=2e-6)
+
+
+def test_a_gas_fills_the_chamber_as_its_equation_has_it():
+    """The time between two pressures is an integral: ds (1 + g s) / ((1 + s P_1/P_0) (sqrt(1 - s) - ...))."""
+    from scipy.integrate import quad
+
+    time = 0.02 * np.arange(201)
+    held = np.append(np.repeat([6e-3, 18e-3], 100), 18e-3)
+    supply = BASE.values["supply_pressure"]
+    shares = simulate(BASE.with_effect("chamber_filling", **GAS), time=time, current=held).pressure / supply
+    aim = simulate(BASE, time=time, current=held).pressure[-1] / supply
+
+    def slowness(share: float) -> float:
+        flow = np.sqrt(1.0 - share) - np.sqrt((1.0 / aim - 1.0) * share)
+        return (1.0 + 0.5 * share) / ((1.0 + share * supply / 101325.0) * flow)
+
+    taken, _ = quad(slowness, shares[100], shares[106], epsabs=1e-12)
+    assert 0.2 * taken == pytest.approx(time[106] - time[100], abs=2e-6)
+    assert 1.2 * slowness(0.5 * aim) < (1.0 + 0.25 * aim) / (np.sqrt(1.0 - 0.5 * aim) - np.sqrt(0.5 * (1.0 - aim)))
 
 
 def test_a_rate_limit_bounds_orifices_too():

@@ -102,6 +102,7 @@ def test_every_law_of_presliding_is_close_to_the_exact_run_on_a_triangle(law):
 
 
 TANH = {"saturation_slope": 0.0, "saturation_knee": 8e-3, "saturation_reach": 15e-3, "saturation_law": 1.0}
+GAS = {"chamber_filling_time": 0.15, "filling_of_gas": 1.0}
 LEAKS_GAS = {"leak_ratio": 0.05, "turbulent_leak_ratio": 0.2, "leak_chokes": 1.0}
 
 
@@ -110,7 +111,9 @@ def test_later_laws_converge_to_the_exact_run(key, law):
     assert np.sqrt(np.mean(apart(base().with_effect(key, **law), 0.1) ** 2)) < 2e-6
 
 
-@pytest.mark.parametrize(("key", "law"), [("air_leak", LEAKS_GAS), ("magnetic_saturation", TANH)])
+@pytest.mark.parametrize(
+    ("key", "law"), [("air_leak", LEAKS_GAS), ("magnetic_saturation", TANH), ("chamber_filling", GAS)]
+)
 def test_derivatives_of_a_step_by_later_laws_agree_with_differences(key, law):
     check_derivatives(base().with_effect(key, **law))
 

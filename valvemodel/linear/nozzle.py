@@ -32,7 +32,8 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     """Return the blocks from `effective_current` to `pressure`."""
     chamber = 0.0
     if numbers["chamber_filling_time"] > 0.0:
-        chamber = 1.0 / evaluate(numeric.chamber_rate, numbers, pressure=point.supplied_pressure, gap=point.gap)
+        rate = evaluate(numeric.chamber_rate, numbers, pressure=point.supplied_pressure, gap=point.gap)
+        chamber = 1.0 / (rate * (1.0 + numbers["filling_of_gas"] * point.supplied_pressure / ATMOSPHERE))
     amplifier = numbers["vent_time" if point.side < 0.0 else "fill_time"]
     amplifier += numbers["line_dispersion"] * numbers["transport_delay"]
     amplifier /= quickness_at_rest(numbers, point.supplied_pressure)

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 from valvemodel.reference.flow import State, flow
+from valvemodel.reference.nozzle import ATMOSPHERE
 
 if TYPE_CHECKING:
     from valvemodel.reference.air import Air
@@ -123,7 +124,9 @@ def chamber_slope(n: SimpleNamespace, pressure: float, resting: float, opening: 
         return 0.0
     bounded = min(max(pressure, 0.0), n.supply_pressure)
     filling_time = n.chamber_filling_time * (1.0 + n.filling_growth * bounded / n.supply_pressure)
-    return n.supply_pressure * (inflow(n, bounded, opening) - inflow(n, resting, opening)) / filling_time
+    stiffness = 1.0 + n.filling_of_gas * bounded / ATMOSPHERE
+    excess = inflow(n, bounded, opening) - inflow(n, resting, opening)
+    return stiffness * n.supply_pressure * excess / filling_time
 
 
 def inflow(n: SimpleNamespace, pressure: float, opening: float) -> float:

@@ -7,6 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.equations import numeric
 from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.nozzle import stiffness_of_filling
 
 chamber_inflow = inlined(numeric.chamber_inflow)
 
@@ -61,8 +62,11 @@ def chamber_flow(p, share, gap):
 def filling_speed(p, share, gap, flow_at_rest):
     """Return how fast the pressure changes at a share of the supply; 0 at rest. [Pa/s]"""
     speed = (chamber_flow(p, share, gap) - flow_at_rest) * (p.supply_pressure / p.chamber_filling_time)
+    bounded = min(max(share, 0.0), 1.0)
     if p.filling_growth != 0.0:
-        speed /= 1.0 + p.filling_growth * min(max(share, 0.0), 1.0)
+        speed /= 1.0 + p.filling_growth * bounded
+    if p.filling_of_gas != 0.0:
+        speed *= stiffness_of_filling(p, bounded * p.supply_pressure)
     return speed
 
 

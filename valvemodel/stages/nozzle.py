@@ -20,8 +20,14 @@ EFFECTS = (
         stage="nozzle",
         title="chamber filling",
         meaning="the flow through orifice and nozzle has to fill the chamber before the pressure is there",
-        equation=r"T\,(1 + g\,P/P_1)\,\dot P / P_1 = \sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}",
-        source="paper eq. (15) with Q_b filling a volume that grows with the pressure, as the diaphragm gives way",
+        equation=(
+            r"T\,(1 + g\,P/P_1)\,\dot P / P_1 = \epsilon\,(\sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}),"
+            r"\quad \epsilon = 1\ \text{or}\ 1 + P/P_0"
+        ),
+        source=(
+            "paper eq. (15) with Q_b filling a volume that grows with the pressure, as the diaphragm gives way; of one "
+            "stiffness, or of a gas at constant temperature, whose bulk modulus is its absolute pressure"
+        ),
         parameters=(
             Parameter(
                 "chamber_filling_time",
@@ -42,6 +48,10 @@ EFFECTS = (
                 0.0,
                 (1.0,),
                 typical=0.0,
+            ),
+            choice_of_law(
+                "filling_of_gas",
+                "0: what fills is as stiff at each pressure; 1: a gas, the stiffer the higher its absolute pressure",
             ),
         ),
         aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
@@ -256,6 +266,12 @@ def resting_pressure(p, gap, supply):
         compressible = compressible_pressure(gap, supply, p.flow_ratio, p.critical_pressure_ratio)
         pressure += p.compressible_share * (compressible - pressure)
     return pressure
+
+
+@inlined
+def stiffness_of_filling(p, pressure):
+    """Return how stiff what fills the chamber is at a pressure, over that at no pressure: of a gas as its density."""
+    return 1.0 + p.filling_of_gas * pressure / ATMOSPHERE
 
 
 @inlined
