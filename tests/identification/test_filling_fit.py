@@ -31,6 +31,17 @@ def test_each_form_is_found(seed, law, orifice_share, tmp_path):
     assert found.model.effects[KEY]["orifice_share"] == orifice_share
 
 
+def test_a_chamber_of_gas_is_found(tmp_path):
+    """As stiff at each pressure it comes no nearer than 1.4 of the noise, its filling time falling by five sixths."""
+    plant, base, found = fits_to_plant(9503, "chamber_filling", tmp_path)
+    assert plant.effects[0].formulation == "isothermal"
+    assert base.found.error > 10.0 * found.problem.noise_error
+    assert found.found.error < 1.05 * found.problem.noise_error
+    values = found.model.effects["chamber_filling"]
+    assert values["filling_of_gas"] == 1.0
+    assert values["filling_growth"] == pytest.approx(0.0, abs=0.1)
+
+
 @pytest.mark.parametrize(("name", "first"), [("demo", 0.0), ("demo", 30.0), ("demo", 70.0), ("demo-b", 20.0)])
 def test_a_rate_limit_is_found_on_parts_of_the_bundled_records(name, first):
     """From starts at slow limits alone a search had ended at none on the later parts of the first."""

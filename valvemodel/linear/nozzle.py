@@ -50,7 +50,8 @@ def quickness_at_rest(numbers: Mapping[str, float], pressure: float) -> float:
     """Return the rate of orifices over that of first order, the slope of eq. (15) over the pressure."""
     share = pressure / numbers["supply_pressure"]
     root = max(2.0 * share * math.sqrt(1.0 - share), LEAST_ROOT)
-    return 1.0 + numbers["orifice_share"] * (1.0 / root - 1.0)
+    stiffness = 1.0 + numbers["orifices_of_gas"] * pressure / ATMOSPHERE
+    return 1.0 + numbers["orifice_share"] * (stiffness / root - 1.0)
 
 
 def pressure_by_current(numbers: Mapping[str, float], point: OperatingPoint) -> float:

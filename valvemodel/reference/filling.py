@@ -153,4 +153,5 @@ def quickness(n: SimpleNamespace, pressure: float, target: float) -> float:
     """
     share, resting = (min(max(each / n.supply_pressure, 0.0), 1.0) for each in (pressure, target))
     root = resting * sqrt(1.0 - share) + sqrt(resting * share * (1.0 - resting))
-    return 1.0 + n.orifice_share * (1.0 / max(root, LEAST_ROOT) - 1.0)
+    stiffness = 1.0 + n.orifices_of_gas * share * n.supply_pressure / ATMOSPHERE
+    return 1.0 + n.orifice_share * (stiffness / max(root, LEAST_ROOT) - 1.0)

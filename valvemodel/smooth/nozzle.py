@@ -155,7 +155,7 @@ def filling_rate(p: Any, pressure: Expression, resting: Expression, gap: Express
     secant += gap * ca.sqrt(p.flow_ratio) / (root(share) + root(at_rest))
     bounded = ca.fmin(ca.fmax(share, 0.0), 1.0)
     filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * bounded)
-    secant *= 1.0 + p.filling_of_gas * bounded * p.supply_pressure / ATMOSPHERE
+    secant *= stiffness_of_gas(bounded * p.supply_pressure, p.filling_of_gas)
     return secant / ca.fmax(filling_time, SHORTEST_TIME)
 
 
@@ -197,4 +197,10 @@ def quickness(p: Any, pressure: Expression, target: Expression) -> Expression:
     least = LEAST_ROOT * LEAST_ROOT
     share, resting = (ca.fmin(ca.fmax(each / p.supply_pressure, least), 1.0 - least) for each in (pressure, target))
     root = resting * ca.sqrt(1.0 - share) + ca.sqrt(resting * share * (1.0 - resting))
-    return 1.0 + p.orifice_share * (1.0 / ca.fmax(root, LEAST_ROOT) - 1.0)
+    stiffness = stiffness_of_gas(share * p.supply_pressure, p.orifices_of_gas)
+    return 1.0 + p.orifice_share * (stiffness / ca.fmax(root, LEAST_ROOT) - 1.0)
+
+
+def stiffness_of_gas(pressure: Expression, share: Expression) -> Expression:
+    """Return how stiff what fills a volume is at a pressure, over that at none: of a share of gas as its density."""
+    return 1.0 + share * pressure / ATMOSPHERE

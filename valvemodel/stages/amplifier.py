@@ -8,7 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.chamber import KEPT, SWEEPS
 from valvemodel.stages.lag import follow_nodes, remember_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, left_out
-from valvemodel.stages.nozzle import time_to_fill, time_to_vent
+from valvemodel.stages.nozzle import stiffness_of_gas, time_to_fill, time_to_vent
 
 ROUNDING = 1e-12
 """Share of the supply below which two pressures are equal."""
@@ -28,7 +28,8 @@ def quickness(p, pressure, aim):
     share = min(max(pressure / p.supply_pressure, 0.0), 1.0)
     resting = min(max(aim / p.supply_pressure, 0.0), 1.0)
     root = resting * math.sqrt(1.0 - share) + math.sqrt(resting * share * (1.0 - resting))
-    return 1.0 + p.orifice_share * (1.0 / max(root, LEAST_ROOT) - 1.0)
+    stiffness = stiffness_of_gas(share * p.supply_pressure, p.orifices_of_gas)
+    return 1.0 + p.orifice_share * (stiffness / max(root, LEAST_ROOT) - 1.0)
 
 
 @compiled

@@ -7,7 +7,7 @@ import math
 from valvemodel.compiled import compiled, inlined
 from valvemodel.equations import numeric
 from valvemodel.stages.lag import follow_nodes, remember_lag
-from valvemodel.stages.nozzle import stiffness_of_filling
+from valvemodel.stages.nozzle import stiffness_of_gas
 
 chamber_inflow = inlined(numeric.chamber_inflow)
 
@@ -66,7 +66,7 @@ def filling_speed(p, share, gap, flow_at_rest):
     if p.filling_growth != 0.0:
         speed /= 1.0 + p.filling_growth * bounded
     if p.filling_of_gas != 0.0:
-        speed *= stiffness_of_filling(p, bounded * p.supply_pressure)
+        speed *= stiffness_of_gas(bounded * p.supply_pressure, p.filling_of_gas)
     return speed
 
 

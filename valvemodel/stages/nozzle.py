@@ -65,8 +65,8 @@ EFFECTS = (
         meaning="the amplifier fills and vents at different capacities, down to a rate limit one way",
         equation=(
             r"\dot P = (P_s - P)/T_\pm\quad\text{or}\quad "
-            r"T_\pm \dot P/P_1 = \sqrt{1 - P/P_1} - \sqrt{P_1/P_s - 1}\,\sqrt{P/P_1},"
-            r"\quad |\dot P| \le 1/|s| \text{ one way}"
+            r"T_\pm \dot P/P_1 = \epsilon\,(\sqrt{1 - P/P_1} - \sqrt{P_1/P_s - 1}\,\sqrt{P/P_1}),"
+            r"\ \epsilon = 1\ \text{or}\ 1 + P/P_0,\quad |\dot P| \le 1/|s| \text{ one way}"
         ),
         source=(
             "spool amplifier with unequal ports, first order with rate limit; or unequal orifices and paper eq. (15), "
@@ -92,6 +92,15 @@ EFFECTS = (
                 "orifice_share",
                 "0: the flow is as the pressure difference; 1: as square roots of pressure differences, by orifices",
             ),
+            choice_of_law(
+                "orifices_of_gas",
+                "behind orifices, 0: what fills is as stiff at each pressure; 1: a gas, as for chamber filling",
+            ),
+        ),
+        laws=(
+            {"orifice_share": 0.0, "orifices_of_gas": 0.0},
+            {"orifice_share": 1.0, "orifices_of_gas": 0.0},
+            {"orifice_share": 1.0, "orifices_of_gas": 1.0},
         ),
         aliases=("chamber_filling", "asymmetric_viscous_friction", "coil_lag"),
         acts_in_time=True,
@@ -269,9 +278,9 @@ def resting_pressure(p, gap, supply):
 
 
 @inlined
-def stiffness_of_filling(p, pressure):
-    """Return how stiff what fills the chamber is at a pressure, over that at no pressure: of a gas as its density."""
-    return 1.0 + p.filling_of_gas * pressure / ATMOSPHERE
+def stiffness_of_gas(pressure, share):
+    """Return how stiff what fills a volume is at a pressure, over that at none: of a share of gas as its density."""
+    return 1.0 + share * pressure / ATMOSPHERE
 
 
 @inlined
