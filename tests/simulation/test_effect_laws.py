@@ -24,6 +24,7 @@ from valvemodel.stages.bow import bow, bow_slope, unbow
 BASE = base_model()
 ORIFICES = {"fill_time": 0.05, "vent_time": 0.3, "filling_slowness": 0.0, "orifice_share": 1.0}
 GAS = {"chamber_filling_time": 0.2, "filling_growth": 0.5, "filling_of_gas": 1.0}
+LAMINAR = {"chamber_filling_time": 0.2, "laminar_filling": 1.0}
 GAS_BEHIND_ORIFICES = {**ORIFICES, "orifices_of_gas": 1.0}
 PLAYS = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.2, "return_point_memory": 1.0}
 BOUC_WEN = {"hysteresis_half_width": 4e-4, "hysteresis_roundness": 0.4, "bouc_wen_gamma": 0.35}
@@ -37,6 +38,7 @@ LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
     "bouc_wen": (BOUC_WEN, {"hysteresis_half_width": 0.0}),
     "chamber_filling": (GAS, {"chamber_filling_time": 0.0}),
+    "laminar_filling": (LAMINAR, {"chamber_filling_time": 0.0}),
     "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
     "gas_behind_orifices": (GAS_BEHIND_ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
     "transport_delay": (SMEARING, {"transport_delay": 0.0}),
@@ -46,10 +48,15 @@ LAWS = {
 }
 """By effect, its second law at telling values, and what makes that vanish; by name, one that has a third."""
 
-EFFECT_OF = {"bouc_wen": "magnetic_hysteresis", "gas_behind_orifices": "asymmetric_filling"}
+EFFECT_OF = {
+    "bouc_wen": "magnetic_hysteresis",
+    "gas_behind_orifices": "asymmetric_filling",
+    "laminar_filling": "chamber_filling",
+}
 
 INTEGRATED = {
     "chamber_filling": 3e-6,
+    "laminar_filling": 3e-6,
     "asymmetric_filling": 3e-6,
     "gas_behind_orifices": 3e-6,
     "transport_delay": 3e-6,
@@ -229,6 +236,14 @@ def test_orifices_fill_and_vent_as_their_equation_has_it(of_gas):
 
         taken, _ = quad(slowness, begin, end, epsabs=1e-12)
         assert time_constant * taken == pytest.approx(time[sample + 6] - time[sample], abs=2e-6)
+
+
+def test_a_laminar_resistance_is_a_first_order_lag():
+    """The same as an amplifier that fills and vents alike."""
+    time, current = ramps_and_steps(seconds=8.0, seed=1)
+    lag = BASE.with_effect("asymmetric_filling", fill_time=0.2, vent_time=0.2, filling_slowness=0.0)
+    found = run(BASE.with_effect("chamber_filling", **LAMINAR), time, current)
+    assert np.abs(found - run(lag, time, current)).max() < 1e-8
 
 
 def test_a_gas_fills_the_chamber_as_its_equation_has_it():

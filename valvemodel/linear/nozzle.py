@@ -32,8 +32,7 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
     """Return the blocks from `effective_current` to `pressure`."""
     chamber = 0.0
     if numbers["chamber_filling_time"] > 0.0:
-        rate = evaluate(numeric.chamber_rate, numbers, pressure=point.supplied_pressure, gap=point.gap)
-        chamber = 1.0 / (rate * (1.0 + numbers["filling_of_gas"] * point.supplied_pressure / ATMOSPHERE))
+        chamber = time_to_settle(numbers, point)
     amplifier = numbers["vent_time" if point.side < 0.0 else "fill_time"]
     amplifier += numbers["line_dispersion"] * numbers["transport_delay"]
     amplifier /= quickness_at_rest(numbers, point.supplied_pressure)
@@ -44,6 +43,16 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
         lag("amplifier", amplifier, "pressure", "chamber_pressure", "filled_pressure"),
         gain("leak", leak_slope(numbers, point), "filled_pressure", "pressure"),
     ]
+
+
+def time_to_settle(numbers: Mapping[str, float], point: OperatingPoint) -> float:
+    """Return the time constant at which the chamber fills. [s]"""
+    pressure = point.supplied_pressure
+    stiffness = 1.0 + numbers["filling_of_gas"] * pressure / ATMOSPHERE
+    if numbers["laminar_filling"] > 0.0:
+        growth = 1.0 + numbers["filling_growth"] * pressure / numbers["supply_pressure"]
+        return numbers["chamber_filling_time"] * growth / stiffness
+    return 1.0 / (evaluate(numeric.chamber_rate, numbers, pressure=pressure, gap=point.gap) * stiffness)
 
 
 def quickness_at_rest(numbers: Mapping[str, float], pressure: float) -> float:

@@ -153,6 +153,7 @@ def filling_rate(p: Any, pressure: Expression, resting: Expression, gap: Express
     share, at_rest = pressure / p.supply_pressure, resting / p.supply_pressure
     secant = 1.0 / (root(1.0 - share) + root(1.0 - at_rest))
     secant += gap * ca.sqrt(p.flow_ratio) / (root(share) + root(at_rest))
+    secant += p.laminar_filling * (1.0 - secant)
     bounded = ca.fmin(ca.fmax(share, 0.0), 1.0)
     filling_time = p.chamber_filling_time * (1.0 + p.filling_growth * bounded)
     secant *= stiffness_of_gas(bounded * p.supply_pressure, p.filling_of_gas)

@@ -54,7 +54,12 @@ def lay_chamber(p, state, memory, spacing, count, slack):
 
 @inlined
 def chamber_flow(p, share, gap):
-    """Return the flow into the chamber over that of the open orifice at a share of the supply, eq. (15)."""
+    """Return the flow into the chamber over that of the open orifice at a share of the supply, eq. (15).
+
+    A laminar one is as the pressure lacks: counted from that at rest, only its slope tells.
+    """
+    if p.laminar_filling > 0.0:
+        return -share
     return chamber_inflow(min(max(share, 0.0), 1.0), gap, 1.0, p.flow_ratio)
 
 

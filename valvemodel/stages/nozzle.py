@@ -22,11 +22,12 @@ EFFECTS = (
         meaning="the flow through orifice and nozzle has to fill the chamber before the pressure is there",
         equation=(
             r"T\,(1 + g\,P/P_1)\,\dot P / P_1 = \epsilon\,(\sqrt{1 - P/P_1} - \sqrt{K}\,\delta\sqrt{P/P_1}),"
-            r"\quad \epsilon = 1\ \text{or}\ 1 + P/P_0"
+            r"\quad \epsilon = 1\ \text{or}\ 1 + P/P_0; \quad\text{or}\quad T\,\dot P = P_s - P"
         ),
         source=(
             "paper eq. (15) with Q_b filling a volume that grows with the pressure, as the diaphragm gives way; of one "
-            "stiffness, or of a gas at constant temperature, whose bulk modulus is its absolute pressure"
+            "stiffness, or of a gas at constant temperature, whose bulk modulus is its absolute pressure; or through a "
+            "resistance that is laminar, as a first-order lag"
         ),
         parameters=(
             Parameter(
@@ -53,6 +54,15 @@ EFFECTS = (
                 "filling_of_gas",
                 "0: what fills is as stiff at each pressure; 1: a gas, the stiffer the higher its absolute pressure",
             ),
+            choice_of_law(
+                "laminar_filling",
+                "0: through orifice and nozzle, by eq. (15); 1: as the pressure lacks, through a laminar resistance",
+            ),
+        ),
+        laws=(
+            {"filling_of_gas": 0.0, "laminar_filling": 0.0},
+            {"filling_of_gas": 1.0, "laminar_filling": 0.0},
+            {"filling_of_gas": 0.0, "laminar_filling": 1.0},
         ),
         aliases=("asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay"),
         acts_in_time=True,
