@@ -32,6 +32,7 @@ from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_t
 from diagnosis.report.place import StageWords, regimes_of, stages_of, where_of
 from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of
 from diagnosis.report.where import half_of_chain
+from valvemodel.declarations import Parameter
 from valvemodel.effects import HIGHER
 
 _SHOWN_CAUSES = 8
@@ -190,9 +191,9 @@ def _unknown_words(probability: float) -> CauseWords:
 
 def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWords:
     effect = DECLARED.get(key)
-    meanings = {parameter.name: parameter.meaning for parameter in effect.shown} if effect else {}
-    unknown = [name for name in found if name not in meanings and name not in HIGHER]
-    order = [name for name in meanings if name in found] + unknown
+    declared = {parameter.name: parameter for parameter in effect.shown} if effect else {}
+    unknown = [name for name in found if name not in declared and name not in HIGHER]
+    order = [name for name in declared if name in found and not _is_first_law(declared[name], found[name])] + unknown
     return EffectWords(
         key=key,
         title=effect_title(key),
@@ -203,12 +204,24 @@ def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWor
         parameters=tuple(
             ParameterWords(
                 name=name,
-                meaning=meanings.get(name, ""),
-                value=amount_with_std(found[name].get("value"), found[name].get("std"), found[name].get("unit", "1")),
+                meaning=declared[name].meaning if name in declared else "",
+                value=_value_words(declared.get(name), found[name]),
             )
             for name in order
         ),
     )
+
+
+def _is_first_law(parameter: Parameter, found: Mapping[str, Any]) -> bool:
+    """Return whether a parameter only says that an effect follows the law that it does where nothing is said."""
+    return not parameter.is_fitted and found.get("value") == parameter.neutral
+
+
+def _value_words(parameter: Parameter | None, found: Mapping[str, Any]) -> str:
+    """Say what was found of a parameter; one that chooses a law is not fitted, and has no uncertainty."""
+    if parameter is not None and not parameter.is_fitted:
+        return f"{found['value']:g} (chosen)"
+    return amount_with_std(found.get("value"), found.get("std"), found.get("unit", "1"))
 
 
 def _told(causes: Sequence[CauseWords], found: str) -> tuple[tuple[EffectWords, str], ...]:

@@ -167,3 +167,13 @@ def test_a_load_that_varied_at_will_is_said_to_be_that_of_this_record(waves: flo
     text = printed(diagnosis)
     assert "load_sine = 40" in text
     assert "load_sine_2" not in text
+
+
+def test_the_law_that_an_effect_follows_is_said_to_be_chosen_where_it_is_another_than_the_first() -> None:
+    diagnosis = effect()[0]
+    chosen, first = ({"value": value, "unit": "1", "std": None} for value in (1.0, 0.0))
+    filling = {"filling_of_gas": chosen, "laminar_filling": first}
+    diagnosis["causes"] = [cause(["chamber_filling"], 0.9, 1.58e-4, 0.99, parameters={"chamber_filling": filling})]
+    text = printed(diagnosis)
+    assert "filling_of_gas = 1 (chosen)" in text
+    assert "laminar_filling" not in text
