@@ -46,7 +46,7 @@ CASES = {key: valve(**{key: QUICK.get(key, {})}) for key in LINEAR} | {
     "ringing": valve().with_values(viscous_friction=1.59),
     "filling of a gas": valve(chamber_filling={"chamber_filling_time": 8e-3, "filling_of_gas": 1.0}),
     "laminar filling": valve(
-        chamber_filling={"chamber_filling_time": 8e-3, "filling_growth": 0.5, "laminar_filling": 1.0}
+        chamber_filling={"chamber_filling_time": 8e-3, "filling_growth": 0.5, "laminar_filling": 0.6}
     ),
     "sag from the nozzle's air": valve(supply_droop={"droop_consumption": 0.3, "droop_recovery_time": 0.05}),
     "two lags": valve(sensor_lag={"sensor_time_constant": 4e-3, "sensor_second_time_constant": 2e-3}),

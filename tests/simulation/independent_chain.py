@@ -90,9 +90,8 @@ class IndependentChain:
     def inflow(self, pressure, gap):
         """Eq. (15), right side."""
         part = pressure / self.supply_pressure
-        if self.laminar_filling > 0.0:
-            return -part
-        return math.sqrt(max(1.0 - part, 0.0)) - gap * math.sqrt(self.flow_ratio * max(part, 0.0))
+        turbulent = math.sqrt(max(1.0 - part, 0.0)) - gap * math.sqrt(self.flow_ratio * max(part, 0.0))
+        return (1.0 - self.laminar_filling) * turbulent - self.laminar_filling * part
 
     def settled_sag(self, share):
         return self.droop_consumption * self.supply_pressure * np.sqrt(1.0 - share)

@@ -48,11 +48,11 @@ def blocks(numbers: Mapping[str, float], point: OperatingPoint) -> list[ct.State
 def time_to_settle(numbers: Mapping[str, float], point: OperatingPoint) -> float:
     """Return the time constant at which the chamber fills. [s]"""
     pressure = point.supplied_pressure
+    turbulent = evaluate(numeric.chamber_rate, numbers, pressure=pressure, gap=point.gap)
+    growth = 1.0 + numbers["filling_growth"] * pressure / numbers["supply_pressure"]
+    laminar = 1.0 / (numbers["chamber_filling_time"] * growth)
     stiffness = 1.0 + numbers["filling_of_gas"] * pressure / ATMOSPHERE
-    if numbers["laminar_filling"] > 0.0:
-        growth = 1.0 + numbers["filling_growth"] * pressure / numbers["supply_pressure"]
-        return numbers["chamber_filling_time"] * growth / stiffness
-    return 1.0 / (evaluate(numeric.chamber_rate, numbers, pressure=pressure, gap=point.gap) * stiffness)
+    return 1.0 / (stiffness * (turbulent + numbers["laminar_filling"] * (laminar - turbulent)))
 
 
 def quickness_at_rest(numbers: Mapping[str, float], pressure: float) -> float:

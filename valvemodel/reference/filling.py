@@ -132,9 +132,8 @@ def chamber_slope(n: SimpleNamespace, pressure: float, resting: float, opening: 
 def inflow(n: SimpleNamespace, pressure: float, opening: float) -> float:
     """Return what flows into the chamber over what the orifice lets into an empty one, eq. (15); or laminar."""
     share = pressure / n.supply_pressure
-    if n.laminar_filling > 0.0:
-        return -share
-    return sqrt(1.0 - share) - opening * sqrt(n.flow_ratio * share)
+    turbulent = sqrt(1.0 - share) - opening * sqrt(n.flow_ratio * share)
+    return turbulent - n.laminar_filling * (turbulent + share)
 
 
 def filled_slope(n: SimpleNamespace, pressure: float, target: float) -> float:

@@ -58,9 +58,10 @@ def chamber_flow(p, share, gap):
 
     A laminar one is as the pressure lacks: counted from that at rest, only its slope tells.
     """
+    flow = chamber_inflow(min(max(share, 0.0), 1.0), gap, 1.0, p.flow_ratio)
     if p.laminar_filling > 0.0:
-        return -share
-    return chamber_inflow(min(max(share, 0.0), 1.0), gap, 1.0, p.flow_ratio)
+        flow -= p.laminar_filling * (flow + share)
+    return flow
 
 
 @inlined
