@@ -164,10 +164,15 @@ def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:
-    """Return by how much the readings change when the least of a fit's effects is taken out. [noise]"""
+    """Return by how much the readings change when the least of a fit's effects is taken out. [noise]
+
+    Of an effect that is a difference that is taken out: what fills as it vents, however slowly, fills not unequally.
+    """
     changes = []
-    for key in fit.model.effects:
-        without = replace(fit, model=fit.model.without_effect(key))
+    for key, values in fit.model.effects.items():
+        alike = effect_of_key(key).without_difference(values)
+        model = fit.model.without_effect(key) if alike is None else fit.model.with_effect(key, **alike)
+        without = replace(fit, model=model)
         squares = [
             np.nanmean((fit.simulated_on(each).position - without.simulated_on(each).position) ** 2) / each.noise**2
             for each in holdout.scored_experiments

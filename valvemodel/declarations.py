@@ -82,8 +82,9 @@ class Effect:
     stem (for the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any,
     that is the breakaway force over Coulomb friction. `laws` are the values of the choices of law that go together in a
     search, all combinations of them where none is named. `frees` are the base parameters that the records tell once it
-    acts, as it breaks the symmetry behind which they hide: a fit moves them too. `aliases` are the effects (or `none`)
-    whose trace comes close in current and position; `told_apart_by`, one phrase, is what would tell them apart.
+    acts, as it breaks the symmetry behind which they hide: a fit moves them too. `differing` are parameters whose
+    difference is the effect: alike, with its others neutral, they are those of another. `aliases` are the effects (or
+    `none`) whose trace comes close in current and position; `told_apart_by`, one phrase, is what would tell them apart.
     """
 
     key: str
@@ -102,6 +103,7 @@ class Effect:
     breakaway: str = ""
     laws: tuple[Mapping[str, float], ...] = field(default=(), hash=False)
     frees: tuple[str, ...] = ()
+    differing: tuple[str, ...] = ()
     aliases: tuple[str, ...] = ()
     told_apart_by: str = ""
 
@@ -128,6 +130,14 @@ class Effect:
     def fitted(self) -> tuple[Parameter, ...]:
         """The parameters that a fit moves."""
         return tuple(parameter for parameter in self.parameters if parameter.is_fitted)
+
+    def without_difference(self, values: Mapping[str, float]) -> dict[str, float] | None:
+        """Return values at which those that differ are alike and what else is fitted is neutral, None if none do."""
+        if not self.differing:
+            return None
+        alike = sum(values[name] for name in self.differing) / len(self.differing)
+        neutral = {each.name: each.neutral for each in self.fitted}
+        return {**values, **neutral, **dict.fromkeys(self.differing, alike)}
 
     @property
     def is_read_off(self) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.blindtest.plants import Truth, draw_plant, measure
 from diagnosis.diagnosing import Diagnosis, diagnose
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
@@ -48,6 +49,18 @@ def test_names_the_effect_of_a_blind_plant(viscous: Diagnosis) -> None:
     assert viscous.stage == "stem"
     assert viscous.cause.closed is not None
     assert viscous.cause.closed > 0.9
+
+
+@pytest.mark.parametrize(("quick_share", "named"), [(1.0, "chamber_filling"), (0.5, "asymmetric_filling")])
+def test_filling_is_unequal_where_it_differs_from_venting(quick_share: float, named: str) -> None:
+    lags = {"slow_direction": -1.0, "quick_share": quick_share, "slow_time": 0.15}
+    truth = Truth("asymmetric_filling", "nozzle", "two_time_constants", lags)
+    taken = measure(replace(draw_plant(11, ()), effects=(truth,)), 1011)
+    rivals = ("chamber_filling", "asymmetric_filling", "coil_lag", "sensor_lag", "transport_delay")
+    found = diagnose([Record.from_arrays(name="lag", **taken)], calibrated(), candidates=rivals, jobs=2)
+    assert found.cause.effects == (named,)
+    assert found.cause.probability > 0.9
+    assert found.cause.rivals == []
 
 
 def test_pressure_tells_the_stage() -> None:

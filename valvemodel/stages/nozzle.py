@@ -112,6 +112,7 @@ EFFECTS = (
             {"orifice_share": 1.0, "orifices_of_gas": 0.0},
             {"orifice_share": 1.0, "orifices_of_gas": 1.0},
         ),
+        differing=("fill_time", "vent_time"),
         aliases=("chamber_filling", "asymmetric_viscous_friction", "coil_lag"),
         acts_in_time=True,
         told_apart_by="a measured pressure; large steps both ways",
