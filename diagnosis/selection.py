@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -92,8 +93,7 @@ def try_together(
             break
         if size == 2:
             tried = with_kindred(tried, holdout, pool, progress)
-        else:
-            tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried), holdout, pool, progress))
+        tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), holdout, pool, progress))
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -209,16 +209,21 @@ def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
     ]
 
 
-def worth_a_look_back(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the best causes of three effects that are to be tried without each in turn, from where the others are.
+def worth_a_look_back(tried: Sequence[Candidate], size: int) -> list[Candidate]:
+    """Return the best causes of so many effects that are to be tried without each in turn, from where the others are.
 
-    The third may be none, and only have led the other two out of a side minimum.
+    One of three may be none, and only have led the other two out of a side minimum; of two that is so where slips make
+    the error jagged.
     """
-    far = NO_GAIN * misfit(best_of(tried, 2)[0])
+    simpler = best_of(tried, size - 1)
+    far = NO_GAIN * misfit(simpler[0]) if simpler else math.inf
     return [
         each
-        for each in best_of(tried, 3)[:LOOKED_BACK]
-        if misfit(each) < far and not each.has_series and not any(effect_of_key(key).is_chaotic for key in each.effects)
+        for each in best_of(tried, size)[:LOOKED_BACK]
+        if misfit(each) < far
+        and (size > 2 or goes_in_jumps(each))
+        and not each.has_series
+        and not any(effect_of_key(key).is_chaotic or effect_of_key(key).is_read_off for key in each.effects)
     ]
 
 
