@@ -39,9 +39,17 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
 def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
     tried = [candidate(90.0), candidate(30.0, "coil_lag"), candidate(20.0, "coil_lag", "end_stop")]
     near, far = candidate(1.4, "coil_lag", "end_stop", "air_leak"), candidate(19.0, "coil_lag", "end_stop", "gap_drift")
-    assert selection.worth_a_look_back([*tried, far, near]) == [near]
-    assert selection.worth_a_look_back([*tried, waves(1.0, "coil_lag", "end_stop", "load_force")]) == []
-    assert selection.worth_a_look_back(tried) == []
+    assert selection.worth_a_look_back([*tried, far, near], 3) == [near]
+    assert selection.worth_a_look_back([*tried, waves(1.0, "coil_lag", "end_stop", "load_force")], 3) == []
+    assert selection.worth_a_look_back(tried, 3) == []
+
+
+def test_of_two_effects_those_that_make_the_stem_jump_are_looked_back_from():
+    tried = [candidate(90.0), candidate(2.1, "static_friction"), candidate(1.2, "asymmetric_friction", "coil_lag")]
+    jumps, chaotic = (candidate(1.1, "asymmetric_friction", key) for key in ("static_friction", "stribeck"))
+    assert selection.worth_a_look_back([*tried, jumps], 2) == [jumps]
+    assert selection.worth_a_look_back([*tried, chaotic], 2) == []
+    assert selection.worth_a_look_back(tried, 2) == []
 
 
 def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_explains():
