@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
@@ -215,15 +214,14 @@ def worth_a_look_back(tried: Sequence[Candidate], size: int) -> list[Candidate]:
     One of three may be none, and only have led the other two out of a side minimum; of two that is so where slips make
     the error jagged.
     """
-    simpler = best_of(tried, size - 1)
-    far = NO_GAIN * misfit(simpler[0]) if simpler else math.inf
+    far = NO_GAIN * misfit(best_of(tried, size - 1)[0])
     return [
         each
         for each in best_of(tried, size)[:LOOKED_BACK]
         if misfit(each) < far
         and (size > 2 or goes_in_jumps(each))
         and not each.has_series
-        and not any(effect_of_key(key).is_chaotic or effect_of_key(key).is_read_off for key in each.effects)
+        and not any(effect_of_key(key).is_chaotic for key in each.effects)
     ]
 
 

@@ -11,7 +11,7 @@ from valvemodel.equations import numeric
 from valvemodel.linear.block import Treatment, block, gain, lag
 from valvemodel.linear.point import OperatingPoint, evaluate
 from valvemodel.stages.amplifier import LEAST_ROOT
-from valvemodel.stages.nozzle import ATMOSPHERE, CRITICAL, compressible_pressure
+from valvemodel.stages.nozzle import ATMOSPHERE, CRITICAL, compressible_pressure, stiffness_of_gas
 
 TREATMENTS = {
     "chamber_filling": Treatment(True, "a first-order lag whose rate is the slope of eq. (15) at rest"),
@@ -51,7 +51,7 @@ def time_to_settle(numbers: Mapping[str, float], point: OperatingPoint) -> float
     turbulent = evaluate(numeric.chamber_rate, numbers, pressure=pressure, gap=point.gap)
     growth = 1.0 + numbers["filling_growth"] * pressure / numbers["supply_pressure"]
     laminar = 1.0 / (numbers["chamber_filling_time"] * growth)
-    stiffness = 1.0 + numbers["filling_of_gas"] * pressure / ATMOSPHERE
+    stiffness = stiffness_of_gas(pressure, numbers["filling_of_gas"])
     return 1.0 / (stiffness * (turbulent + numbers["laminar_filling"] * (laminar - turbulent)))
 
 
@@ -59,7 +59,7 @@ def quickness_at_rest(numbers: Mapping[str, float], pressure: float) -> float:
     """Return the rate of orifices over that of first order, the slope of eq. (15) over the pressure."""
     share = pressure / numbers["supply_pressure"]
     root = max(2.0 * share * math.sqrt(1.0 - share), LEAST_ROOT)
-    stiffness = 1.0 + numbers["orifices_of_gas"] * pressure / ATMOSPHERE
+    stiffness = stiffness_of_gas(pressure, numbers["orifices_of_gas"])
     return 1.0 + numbers["orifice_share"] * (stiffness / root - 1.0)
 
 

@@ -24,7 +24,7 @@ _FORMS = {
     "day.month.year and time": rf"{_DAY}[.]{_MONTH}[.]{_SHORT_YEAR},?\s+{_OF_DAY}",
     "date with slashes and time": rf"{_EITHER}[-/]{_YEAR},?\s+{_OF_DAY}",
     "day-month name-year and time": rf"{_DAY}[-\s]{_NAMED}\s+{_OF_DAY}",
-    "time of day": _OF_DAY,
+    TIME_OF_DAY: _OF_DAY,
     "minutes and seconds": r"(?P<minute>\d{1,3}):(?P<second>\d{2})[.,](?P<fraction>\d{1,9})\d*",
 }
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")

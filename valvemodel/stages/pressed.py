@@ -9,11 +9,8 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.part import is_of_a_search, pressure_at
-from valvemodel.stages.rest import come_to_rest
+from valvemodel.stages.rest import come_to_rest, meet_breakaway
 from valvemodel.stages.stem import FALLING, RISING, STUCK, lay_span, sliding_friction, tangent_stiffness, thrust
-
-HALVINGS = 40
-"""Of the bracket within which the stem leaves the stop."""
 
 
 @inlined
@@ -52,9 +49,11 @@ def settle_on_stop(p, state, memory, time, duration, tolerance):
         return 0.0
     used, position = duration, settled_place(p, state, memory, side, time + duration)
     if side * position <= side * stop:
-        used, position = time_to_leave(p, memory, side, stop, time, duration), stop
+        state.position = position = stop
+        used = meet_breakaway(p, state, memory, time, 0.0, duration, -side)
     velocity = (position - before) / used
     if abs(velocity) * swing_of_stop(p) > tolerance or not state.plan_lowest <= position <= state.plan_highest:
+        state.position = before
         return 0.0
     state.position = position
     state.trace_steady = state.trace_velocity = state.trace_next_velocity = velocity
@@ -74,18 +73,3 @@ def settled_place(p, state, memory, side, instant):
     if excess <= 0.0:
         return position
     return position + way * excess / tangent_stiffness(p, side, position, pressure, instant)
-
-
-@compiled
-def time_to_leave(p, memory, side, stop, time, duration):
-    """Return when within a duration the force takes the stem off its stop, known to be off it at the end. [s]"""
-    low, high = 0.0, duration
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        pressure = pressure_at(memory, time + middle)
-        held = side * thrust(p, stop, pressure, time + middle)
-        if held + sliding_friction(p, -side, stop, pressure, time + middle) < 0.0:
-            high = middle
-        else:
-            low = middle
-    return high
