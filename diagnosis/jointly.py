@@ -84,13 +84,7 @@ def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) 
     kept: list[Start] = []
     known: Counter[tuple[object, ...]] = Counter()
     for problem, each in sorted(found, key=lambda one: one[1].error):
-        held = [
-            problem.model.effects[key][parameter.name]
-            for key in sorted(problem.model.effects)
-            for parameter in effect_of_key(key).parameters
-            if not parameter.is_fitted
-        ]
-        form = (frozenset(problem.model.effects), *held)
+        form = tuple((key, effect_of_key(key).form_at(values)) for key, values in sorted(problem.model.effects.items()))
         known[form] += 1
         if known[form] <= of_a_form:
             kept.append((problem, each.point))

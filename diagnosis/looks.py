@@ -14,6 +14,7 @@ from identification.breakaway import Line
 from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
 from identification.stick_slip import SlipSearch, form_of, let_loose, noise_at_rests, worth_loosening
+from valvemodel.declarations import Form
 from valvemodel.effects import effect_of_key
 
 LOOSENED = 2.5
@@ -162,7 +163,7 @@ def begun_look(beside: BentLine, law: str) -> Look:
 
 def with_best(look: Look, slips: Sequence[SlipSearch]) -> Look:
     """Return a look with the best of some slips in each form of its law, the best form first."""
-    best: dict[tuple[float, ...], SlipSearch] = {}
+    best: dict[Form, SlipSearch] = {}
     for each in sorted(slips, key=lambda each: each.found.error):
         best.setdefault(form_of(effect_of_key(look.law), each.slips.problem), each)
     return replace(look, slips=list(best.values()))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from diagnosis.explaining import AT_NOISE, explains, misfit
 from diagnosis.trying import Candidate
+from valvemodel.declarations import Parameter
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
 SHARPENED = 2
@@ -71,14 +72,19 @@ def is_settled(candidate: Candidate, base: Candidate) -> bool:
     place of something else.
     """
     within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
-    numbers = [sum(not each.is_higher for each in effect_of_key(key).fitted) for key in candidate.effects]
+    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate).values()]
     return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
 
 
 def stands_in(candidate: Candidate) -> bool:
     """Return whether an effect of a cause has so many free numbers that it may stand in for another, at little cost."""
-    effects = [effect_of_key(key) for key in candidate.effects]
-    return any(len(each.fitted) >= MANY_NUMBERS and not each.takes_long for each in effects) or candidate.has_series
+    many = [key for key, moved in moved_in(candidate).items() if len(moved) >= MANY_NUMBERS]
+    return any(not effect_of_key(key).takes_long for key in many) or candidate.has_series
+
+
+def moved_in(candidate: Candidate) -> dict[str, tuple[Parameter, ...]]:
+    """Return the parameters of each effect of a cause that its fit moved."""
+    return {key: effect_of_key(key).free_at(values) for key, values in candidate.fit.model.effects.items()}
 
 
 def is_read_off(candidate: Candidate) -> bool:

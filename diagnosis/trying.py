@@ -151,8 +151,8 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 
 def freedom_of(fit: Fit) -> int:
     """Return the number of free parameters that a fit's effects bring; a series, held by its prior, is few."""
-    effects = [effect_of_key(key) for key in fit.model.effects]
-    own = sum(not each.is_higher for effect in effects for each in effect.fitted)
+    free = (effect_of_key(key).free_at(values) for key, values in fit.model.effects.items())
+    own = sum(not each.is_higher for parameters in free for each in parameters)
     freed = freed_by(fit.model.effects, with_pressure=fit.problem.has_pressure)
     return own + len(freed) + (SERIES if fit.problem.has_series else 0)
 

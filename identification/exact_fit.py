@@ -102,11 +102,11 @@ def joint_problems(
 
 
 def forms_of(key: str, experiments: Sequence[Experiment]) -> list[list[dict[str, float]]]:
-    """Return the starts of an effect in groups that differ in fitted finite parameters only."""
-    fitted = {parameter.name for parameter in effect_of_key(key).fitted}
+    """Return the starts of an effect in groups that differ in finite parameters that a fit moves only."""
+    effect = effect_of_key(key)
     readings = [experiment.position - np.nanmean(experiment.position) for experiment in experiments]
     forms: dict[tuple[object, ...], list[dict[str, float]]] = {}
-    for start in starts_of(effect_of_key(key), list(experiments), readings):
-        kind = tuple(isfinite(value) if name in fitted else value for name, value in start.items())
-        forms.setdefault(kind, []).append(start)
+    for start in starts_of(effect, list(experiments), readings):
+        endless = tuple(name for name, value in start.items() if not isfinite(value))
+        forms.setdefault((effect.form_at(start), endless), []).append(start)
     return list(forms.values())

@@ -39,7 +39,7 @@ from identification.stick_slip import (
     search_near,
     search_slips,
 )
-from valvemodel.declarations import Effect
+from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
 
 KEPT_STARTS = 2
@@ -279,11 +279,10 @@ def slips_beside(begun: SlipSearch, fit: Fit, effect: Effect, line: Line) -> lis
 
 def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     """Return the problem with an effect in each of its forms, and the scaled points where searches for it begin."""
-    forms: dict[tuple[float, ...], list[tuple[Problem, np.ndarray]]] = {}
-    held = [parameter.name for parameter in effect.parameters if not parameter.is_fitted]
+    forms: dict[Form, list[tuple[Problem, np.ndarray]]] = {}
     for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
         pair = joined(fit.problem, fit.found.point, effect, start)
-        forms.setdefault(tuple(start[name] for name in held), []).append(pair)
+        forms.setdefault(effect.form_at(start), []).append(pair)
     return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
@@ -406,8 +405,8 @@ def at_neutral(fit: Fit, effect: Effect) -> tuple[Problem, Found]:
 
 
 def alike(effect: Effect, trials: list[Trial]) -> list[list[Trial]]:
-    """Return the trials in groups that differ in fitted parameters only; each group is searched on its own."""
-    groups: dict[tuple[float, ...], list[Trial]] = {}
+    """Return the trials in groups of one form each; each group is searched on its own."""
+    groups: dict[Form, list[Trial]] = {}
     for trial in trials:
         groups.setdefault(form_of(effect, trial.problem), []).append(trial)
     return list(groups.values())

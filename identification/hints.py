@@ -51,16 +51,21 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
 def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, float]]:
     """Return the values of an effect in each of its other forms: with other numbers that no fit moves.
 
-    What is read off the record stays as it is.
+    What is read off the record stays as it is, and what the form at hand alone holds goes to its first other start.
     """
-    held = {
+    chosen = {
         each.name: [values[each.name] if isinstance(start, str) else float(start) for start in each.starts]
         for each in effect.parameters
         if not each.is_fitted
     }
-    forms = [dict(zip(held, combination, strict=True)) for combination in product(*held.values())]
-    lawful = [form for form in forms if not effect.laws or form in effect.laws]
-    return [{**values, **form} for form in lawful if form.items() - values.items()]
+    forms = effect.laws or [dict(zip(chosen, each, strict=True)) for each in product(*chosen.values())]
+    others = [form for form in forms if form.items() - values.items()]
+    loosened = {
+        each.name: next(float(start) for start in each.starts if start != values[each.name])
+        for each in effect.fitted
+        if each.name in effect.held_at(values)
+    }
+    return [{**values, **loosened, **form} for form in others]
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

@@ -22,7 +22,7 @@ from identification.screening import (
     traded,
     waves,
 )
-from valvemodel.declarations import Effect
+from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
 
 SMALLER = 0.3
@@ -63,13 +63,11 @@ class Trace:
     change: np.ndarray
 
     @cached_property
-    def form(self) -> tuple[tuple[str, float | bool], ...]:
-        """What of the effect acts: which numbers are neutral, and the values of those that no fit moves."""
-        parameters = effect_of_key(self.key).parameters
-        return tuple(
-            (each.name, self.values[each.name] == each.neutral if each.is_fitted else self.values[each.name])
-            for each in parameters
-        )
+    def form(self) -> tuple[Form, frozenset[str]]:
+        """What of the effect acts: the values of those numbers that no fit moves, and which others are neutral."""
+        effect, values = effect_of_key(self.key), self.values
+        idle = (each.name for each in effect.free_at(values) if values[each.name] == each.neutral)
+        return effect.form_at(values), frozenset(idle)
 
 
 @dataclass(frozen=True)

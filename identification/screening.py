@@ -271,11 +271,10 @@ def traded(fit: Fit, effect: Effect) -> list[tuple[dict[str, float], np.ndarray]
 
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:
     """Return a start of an effect at so many times its size, within its bounds; the numbers that are no sizes stay."""
-    return {
+    return dict(start) | {
         each.name: min(max(each.neutral + share * (start[each.name] - each.neutral), each.low), each.high)
+        for each in effect.free_at(start)
         if each.is_size and math.isfinite(start[each.name])
-        else start[each.name]
-        for each in effect.parameters
     }
 
 

@@ -15,7 +15,7 @@ from identification.problem import Problem
 from identification.rests import put_on_rests
 from identification.search import Found, descend, descend_to_end, errors, roam_through
 from identification.wide import AT_NOISE, is_at_noise
-from valvemodel.declarations import Effect
+from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
 
 REACH = 4.0
@@ -223,7 +223,7 @@ def laid_on(effect: Effect, line: Line, problem: Problem, start: np.ndarray) -> 
     A fit without the effect would mislead.
     """
     names = [unknown.name for unknown in problem.unknowns]
-    added = [names.index(parameter.name) for parameter in effect.fitted]
+    added = [names.index(each.name) for each in effect.free_at(problem.model.effects[effect.key])]
     ratio, friction = names.index(effect.breakaway), names.index("coulomb_friction")
     of_law = (number for number in added if number != ratio)
     others = [*of_law, *shaping_of(problem), names.index("viscous_friction")]
@@ -297,10 +297,9 @@ def search_beside_other(begun: SlipSearch, effect: Effect, line: Line, forms: Se
     return found
 
 
-def form_of(effect: Effect, problem: Problem) -> tuple[float, ...]:
-    """Return the values of an effect that are not fitted, in a problem with it."""
-    values = problem.model.effects[effect.key]
-    return tuple(values[each.name] for each in effect.parameters if not each.is_fitted)
+def form_of(effect: Effect, problem: Problem) -> Form:
+    """Return the values of an effect that no fit moves, in a problem with it."""
+    return effect.form_at(problem.model.effects[effect.key])
 
 
 def searched_near(begun: SlipSearch, slips: Slips, centre: np.ndarray) -> SlipSearch:

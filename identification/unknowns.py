@@ -108,7 +108,7 @@ def effect_unknowns(key: str, start: dict[str, float], *, of_loops: bool = False
     So do, in a fit to settled loops, those that act in time. Of a series that starts off neutral only the sizes move.
     Their spread is their root mean square at the start: the weak prior holds them to that.
     """
-    fitted = [each for each in effect_of_key(key).fitted if not (of_loops and each.acts_in_time)]
+    fitted = [each for each in effect_of_key(key).free_at(start) if not (of_loops and each.acts_in_time)]
     series = [start[each.name] for each in fitted if each.is_higher and start[each.name] != each.neutral]
     if not series:
         return [unknown_of(each) for each in fitted if math.isfinite(start[each.name]) and not each.is_higher]

@@ -14,6 +14,9 @@ HINTS = frozenset(
 
 STAGES = ("electromagnet", "nozzle", "stem", "sensor")
 
+Form = tuple[tuple[str, float], ...]
+"""What tells one form of an effect from another: the parameters that no fit moves, and their values."""
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -80,11 +83,12 @@ class Effect:
     another effect may take ten times as long as others. `is_one_of` says that of the parameters that are neutral at
     infinity one at a time acts; `acts_in_time` that a settled loop cannot show it; `stops_again` that it can show as a
     stem (for the sensor, a reading) that rests again and again on its way; `breakaway` names the parameter, if any,
-    that is the breakaway force over Coulomb friction. `laws` are the values of the choices of law that go together in a
-    search, all combinations of them where none is named. `frees` are the base parameters that the records tell once it
-    acts, as it breaks the symmetry behind which they hide: a fit moves them too. `differing` are parameters whose
-    difference is the effect: alike, with its others neutral, they are those of another. `aliases` are the effects (or
-    `none`) whose trace comes close in current and position; `told_apart_by`, one phrase, is what would tell them apart.
+    that is the breakaway force over Coulomb friction. `laws` are the values that go together in a search, all
+    combinations of the choices of law where none is named; a fit moves none of those in force. `frees` are the base
+    parameters that the records tell once it acts, as it breaks the symmetry behind which they hide: a fit moves them
+    too. `differing` are parameters whose difference is the effect: alike, with its others neutral, they are those of
+    another. `aliases` are the effects (or `none`) whose trace comes close in current and position; `told_apart_by`, one
+    phrase, is what would tell them apart.
     """
 
     key: str
@@ -130,6 +134,21 @@ class Effect:
     def fitted(self) -> tuple[Parameter, ...]:
         """The parameters that a fit moves."""
         return tuple(parameter for parameter in self.parameters if parameter.is_fitted)
+
+    def held_at(self, values: Mapping[str, float]) -> frozenset[str]:
+        """Return the parameters that no fit moves at some values: those never fitted, and those of the law in force."""
+        law = next((each for each in self.laws if each.items() <= values.items()), {})
+        return frozenset({each.name for each in self.parameters if not each.is_fitted} | law.keys())
+
+    def free_at(self, values: Mapping[str, float]) -> tuple[Parameter, ...]:
+        """Return the parameters that a fit moves at some values."""
+        held = self.held_at(values)
+        return tuple(parameter for parameter in self.parameters if parameter.name not in held)
+
+    def form_at(self, values: Mapping[str, float]) -> Form:
+        """Return the form of the effect at some values."""
+        held = self.held_at(values)
+        return tuple((each.name, values[each.name]) for each in self.parameters if each.name in held)
 
     def without_difference(self, values: Mapping[str, float]) -> dict[str, float] | None:
         """Return values at which those that differ are alike and what else is fitted is neutral, None if none do."""

@@ -362,6 +362,7 @@ def test_beside_a_settled_pair_only_its_own_aliases_are_looked_for():
 
     def causes(misfit: float) -> set[frozenset[str]]:
         best = candidate(misfit, "magnetic_saturation", "sensor_lag")
+        best.fit.model.effects.update({key: effect_of_key(key).typical for key in best.effects})
         return {frozenset(each.effects) for each in exchanged([candidate(2.0), *alone, best, near])}
 
     own = {frozenset(("choked_flow", "sensor_lag"))}

@@ -161,8 +161,6 @@ class IndependentChain:
 
     def coulomb(self, time, y, pressure, side):
         friction = self.coulomb_friction * (1.0 + self.friction_asymmetry * side)
-        grown = self.friction_drift_rate * self.friction_drift_time
-        friction *= 1.0 + grown * (1.0 - math.exp(-time / self.friction_drift_time))
         friction *= 1.0 + self.tight_spot_excess * math.exp(
             -(abs((y - self.tight_spot_position) / self.tight_spot_width) ** self.tight_spot_exponent)
         )
@@ -170,7 +168,8 @@ class IndependentChain:
             friction += (
                 self.friction_area * pressure * (pressure / self.supply_pressure) ** (self.friction_pressure_order - 1)
             )
-        return friction
+        grown = self.friction_drift_rate * self.friction_drift_time
+        return friction * (1.0 + grown * (1.0 - math.exp(-time / self.friction_drift_time)))
 
     def limit(self, time, y, pressure, side, speed):
         """What the bristles approach."""

@@ -149,6 +149,19 @@ def test_effect_against_the_fine_step(key):
     assert np.abs(found - expected).max() < bound
 
 
+@pytest.mark.parametrize("key", ["asymmetric_friction", "pressure_dependent_friction"])
+def test_friction_drifts_wherever_it_stems_from(key):
+    time, current = ramps_and_steps(seconds=SECONDS, seed=1)
+    made, models = [], [BASE]
+    for each in ("friction_drift", key):
+        made.append(CASES[each][0])
+        models.append(models[-1].with_effect(each, **CASES[each][1]))
+    expected = reference(BASE, time, current, made, step=1e-6)
+    alone = sum(run(BASE.with_effect(each, **CASES[each][1]), time, current) for each in ("friction_drift", key))
+    assert np.abs(alone - run(BASE, time, current) - expected).max() > 1e-4
+    assert np.abs(run(models[-1], time, current) - expected).max() < 5e-6
+
+
 def test_second_order_transmitter_is_two_equal_lags():
     time, current = ramps_and_steps(seconds=SECONDS, seed=1)
     made = truth("sensor_lag", "sensor", "second_order", time_constant=0.16)

@@ -45,6 +45,14 @@ def test_a_coarse_run_beside_another_effect_is_within_its_tolerance_of_a_fine_on
     assert np.sqrt(np.mean((coarse - fine) ** 2)) < SEARCH_TOLERANCE
 
 
+def test_a_coarse_run_lets_the_friction_of_a_seal_drift_too():
+    model = drifting("friction_drift").with_effect("pressure_dependent_friction", friction_area=5e-3)
+    assert may_hold_drifts(model.rows()[0], PERIOD, SEARCH_TOLERANCE)
+    coarse = run(model, TIME, CURRENT, tolerance=SEARCH_TOLERANCE)
+    independent = IndependentChain.of(model).run(TIME, CURRENT)
+    assert np.abs(coarse - independent).max() < SEARCH_TOLERANCE
+
+
 @pytest.mark.parametrize("key", SLOW)
 def test_what_drifts_fast_or_is_sampled_slowly_is_followed_exactly(key):
     row = drifting(key).rows()[0]

@@ -41,12 +41,12 @@ def load(n: SimpleNamespace, time: float) -> float:
 def coulomb_friction(n: SimpleNamespace, side: float, position: float, pressure: float, time: float) -> float:
     """Return the friction of a stem that moves fast to a side, without its viscous part. [N]"""
     friction = n.coulomb_friction * (1.0 + n.friction_asymmetry * side)
-    friction *= max(1.0 - n.friction_drift_rate * n.friction_drift_time * expm1(-time / n.friction_drift_time), 0.0)
     distance = abs(position - n.tight_spot_position) / n.tight_spot_width
     friction *= 1.0 + n.tight_spot_excess * exp(-(distance**n.tight_spot_exponent))
     inflated = max(pressure, 0.0)
     seal = n.friction_area * inflated * (inflated / n.supply_pressure) ** (n.friction_pressure_order - 1.0)
-    return max(friction + seal, 0.0)
+    growth = max(1.0 - n.friction_drift_rate * n.friction_drift_time * expm1(-time / n.friction_drift_time), 0.0)
+    return growth * max(friction + seal, 0.0)
 
 
 def breakaway_ratio(n: SimpleNamespace) -> float:

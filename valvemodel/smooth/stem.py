@@ -194,9 +194,6 @@ def sliding_friction(
     level = p.coulomb_friction
     if "asymmetric_friction" in p.effects:
         level *= 1.0 + p.friction_asymmetry * side
-    if "friction_drift" in p.effects:
-        grown = -p.friction_drift_rate * p.friction_drift_time * ca.expm1(-time / p.friction_drift_time)
-        level *= ca.fmax(1.0 + grown, 0.0)
     if "position_dependent_friction" in p.effects:
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         level *= 1.0 + tight_spot_bump(p, distance)
@@ -204,6 +201,9 @@ def sliding_friction(
         positive = ca.fmax(pressure, 1e-9 * p.supply_pressure)
         share = (positive / p.supply_pressure) ** (p.friction_pressure_order - 1.0)
         level = ca.fmax(level + p.friction_area * positive * share, 0.0)
+    if "friction_drift" in p.effects:
+        grown = -p.friction_drift_rate * p.friction_drift_time * ca.expm1(-time / p.friction_drift_time)
+        level *= ca.fmax(1.0 + grown, 0.0)
     return level
 
 

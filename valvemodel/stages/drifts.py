@@ -78,5 +78,7 @@ def hold_drifts(p, state, given, time):
     if has_load(given):
         p.spring_preload = given.spring_preload - load(given, time)
     if given.friction_drift_rate != 0.0:
-        p.coulomb_friction = given.coulomb_friction * friction_growth(given, time)
+        growth = friction_growth(given, time)
+        p.coulomb_friction = given.coulomb_friction * growth
+        p.friction_area = given.friction_area * growth
         plan_friction(p, state)

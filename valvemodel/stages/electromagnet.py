@@ -105,7 +105,6 @@ EFFECTS = (
                 1.0,
                 1.0,
                 (0.7, 0.0),
-                is_fitted=False,
             ),
             Parameter("saturation_knee", "A", "current at the knee", 4e-3, 20e-3, 14e-3, (12e-3, 16e-3)),
             Parameter("saturation_rounding", "A", "width of the knee", 1e-4, 6e-3, 1e-3, (1e-3,)),
@@ -122,9 +121,9 @@ EFFECTS = (
             choice_of_law("saturation_law", "0: a hyperbola above the knee, or a straight line; 1: tanh"),
         ),
         laws=(
-            {"saturation_slope": 0.7, "saturation_law": 0.0},
             {"saturation_slope": 0.0, "saturation_law": 0.0},
             {"saturation_slope": 0.0, "saturation_law": 1.0},
+            {"saturation_reach": 0.0, "saturation_law": 0.0},
         ),
         aliases=("spring_hardening", "linkage_nonlinearity", "area_variation", "asymmetric_friction"),
         told_apart_by="a measured pressure shows it upstream of the stem",

@@ -386,8 +386,8 @@ EFFECTS = (
         stage="stem",
         title="friction drift",
         meaning="friction grows over the record as the packing heats or dries",
-        equation=r"F_c\,(1 + r\,T\,(1 - e^{-t/T}))",
-        source="packing that heats or dries, first order",
+        equation=r"F\,(1 + r\,T\,(1 - e^{-t/T}))",
+        source="packing and seals that heat or dry, first order; all dry friction F rests on their coefficient",
         parameters=(
             Parameter(
                 "friction_drift_rate",
@@ -460,8 +460,6 @@ def sliding_friction(p, side, position, pressure, time):
     friction = p.coulomb_friction
     if p.friction_asymmetry != 0.0:
         friction *= 1.0 + p.friction_asymmetry * side
-    if p.friction_drift_rate != 0.0:
-        friction *= friction_growth(p, time)
     if p.tight_spot_excess != 0.0:
         friction *= 1.0 + tight_spot_bump(p, (position - p.tight_spot_position) / p.tight_spot_width)
     if p.friction_area != 0.0:
@@ -469,6 +467,8 @@ def sliding_friction(p, side, position, pressure, time):
         if p.friction_pressure_order != 1.0:
             seal *= (max(pressure, 0.0) / p.supply_pressure) ** (p.friction_pressure_order - 1.0)
         friction = max(friction + seal, 0.0)
+    if p.friction_drift_rate != 0.0:
+        friction *= friction_growth(p, time)
     return friction
 
 
@@ -549,6 +549,7 @@ def fastest_drift(p):
 def friction_drift(p):
     """Return how fast the breakaway force changes at most. [N/s]"""
     roughest = p.coulomb_friction * (1.0 + abs(p.friction_asymmetry)) * (1.0 + max(p.tight_spot_excess, 0.0))
+    roughest += max(p.friction_area, 0.0) * p.supply_pressure
     return breakaway_ratio(p) * roughest * abs(p.friction_drift_rate)
 
 
