@@ -11,8 +11,15 @@ from valvemodel.trajectory import TOLERANCE
 TIME, CURRENT = ramps_and_steps(seconds=4.0, seed=2)
 
 
-@pytest.mark.parametrize("beside", [(), ("chamber_filling",), ("static_friction",), ("asymmetric_friction",)])
-@pytest.mark.parametrize(("width", "exponent"), [(2e-3, 2.0), (8e-3, 2.0), (8e-3, 6.0), (4e-2, 3.0)])
+BELLS = [(2e-3, 2.0), (8e-3, 2.0), (8e-3, 6.0), (4e-2, 3.0)]
+SHARP = [(8e-3, 1.0), (8e-3, 1.4), (4e-2, 40.0)]
+BESIDE = [(), ("chamber_filling",), ("static_friction",), ("asymmetric_friction",)]
+
+
+@pytest.mark.parametrize(
+    ("width", "exponent", "beside"),
+    [*((*spot, keys) for spot in BELLS for keys in BESIDE), *((*spot, ()) for spot in SHARP)],
+)
 def test_run_past_a_tight_spot_is_within_its_tolerance(width, exponent, beside):
     spot = {"tight_spot_excess": 0.6, "tight_spot_position": 0.13}
     model = with_effects(base_model(), *beside)

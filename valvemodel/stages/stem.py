@@ -166,11 +166,12 @@ EFFECTS = (
             Parameter(
                 "tight_spot_exponent",
                 "1",
-                "n: 2 for a bell; more for steep sides",
-                2.0,
-                8.0,
+                "n: 2 for a bell; more for steep sides, less for a sharp middle",
+                1.0,
+                40.0,
                 2.0,
                 (2.0,),
+                "log",
                 is_later=True,
             ),
         ),
@@ -510,7 +511,7 @@ def tangent_stiffness(p, side, position, pressure, time):
         friction = sliding_friction(p, side, position, pressure, time)
         steepness = 2.0 * distance
         if p.tight_spot_exponent != 2.0:
-            steepness = p.tight_spot_exponent * distance * abs(distance) ** (p.tight_spot_exponent - 2.0)
+            steepness = p.tight_spot_exponent * math.copysign(abs(distance) ** (p.tight_spot_exponent - 1.0), distance)
         stiffness -= steepness / p.tight_spot_width * side * friction * bump / (1.0 + bump)
     return stiffness
 
