@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from diagnosis.explaining import AT_NOISE, explains, misfit
-from diagnosis.trying import Candidate
-from valvemodel.declarations import Parameter
+from diagnosis.trying import Candidate, moved_in
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
 SHARPENED = 2
@@ -72,19 +71,14 @@ def is_settled(candidate: Candidate, base: Candidate) -> bool:
     place of something else.
     """
     within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
-    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate).values()]
+    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate.fit).values()]
     return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
 
 
 def stands_in(candidate: Candidate) -> bool:
     """Return whether an effect of a cause has so many free numbers that it may stand in for another, at little cost."""
-    many = [key for key, moved in moved_in(candidate).items() if len(moved) >= MANY_NUMBERS]
+    many = [key for key, moved in moved_in(candidate.fit).items() if len(moved) >= MANY_NUMBERS]
     return any(not effect_of_key(key).takes_long for key in many) or candidate.has_series
-
-
-def moved_in(candidate: Candidate) -> dict[str, tuple[Parameter, ...]]:
-    """Return the parameters of each effect of a cause that its fit moved."""
-    return {key: effect_of_key(key).free_at(values) for key, values in candidate.fit.model.effects.items()}
 
 
 def is_read_off(candidate: Candidate) -> bool:

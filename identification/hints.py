@@ -60,10 +60,11 @@ def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, f
     }
     forms = effect.laws or [dict(zip(chosen, each, strict=True)) for each in product(*chosen.values())]
     others = [form for form in forms if form.items() - values.items()]
+    held = effect.held_at(values)
     loosened = {
         each.name: next(float(start) for start in each.starts if start != values[each.name])
         for each in effect.fitted
-        if each.name in effect.held_at(values)
+        if each.name in held
     }
     return [{**values, **loosened, **form} for form in others]
 

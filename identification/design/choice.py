@@ -39,8 +39,8 @@ def chosen_parameters(text: str, model: Model) -> list[str]:
     fitted = [each.name for each in FITTED_BASE]
     if model.values["pressure_per_current"] > 0.0:
         fitted = [name for name in fitted if name not in OF_GAP]
-    for key in model.effects:
-        fitted += [each.name for each in effect_of_key(key).fitted]
+    for key, values in model.effects.items():
+        fitted += [each.name for each in effect_of_key(key).free_at(values)]
     names: list[str] = []
     for word in filter(None, (part.strip() for part in text.split(","))):
         name = LETTERS.get(word, word)

@@ -79,6 +79,10 @@ def test_names_are_letters_or_full() -> None:
     assert names == ["spring_rate", "coulomb_friction", "viscous_friction", "gap_offset"]
     sticky = nominal().with_effect("static_friction")
     assert chosen_parameters("F_s", sticky) == ["static_friction_ratio"]
+    saturated = nominal().with_effect("magnetic_saturation", saturation_slope=0.8)
+    assert chosen_parameters("saturation_slope", saturated) == ["saturation_slope"]
+    with pytest.raises(InputError):
+        chosen_parameters("saturation_reach", saturated)  # the law of two straight lines holds it
 
 
 @pytest.mark.parametrize(
