@@ -178,6 +178,17 @@ def test_presliding_stem_yields_before_it_slides(name, base):
     assert out["position"][-1] - out["position"][0] == pytest.approx(elastic, rel=0.35)
 
 
+def test_sliders_turn_elastically_where_friction_is_higher_the_other_way(base):
+    sliders = built("presliding", "iwan", compliance=2e-6)
+    uneven = built("asymmetric_friction", "balanced", direction=-1.0, excess=0.4)
+    time = np.arange(300) / 50.0
+    current = np.concatenate([np.linspace(14e-3, 10e-3, 200), np.full(50, 10e-3), np.full(50, 10.2e-3)])
+    out = integrate(base, time, current, effects=(sliders, uneven))
+    rising, falling = (out["position"][n] for n in (-1, 249))
+    push = base["diaphragm_area"] * (out["pressure"][-1] - out["pressure"][249])
+    assert rising - falling == pytest.approx(push / (base["spring_rate"] + 1 / 2e-6), rel=0.2)
+
+
 def test_stop_holds_and_lets_go(base, ramps):
     free = integrate(base, *ramps, step=COARSE)["position"]
     numbers = {"side": 1.0, "reference_travel": free.max(), "depth": 0.02, "stop_stiffness": 5e6}

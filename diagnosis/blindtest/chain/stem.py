@@ -194,10 +194,11 @@ def _slide(pressure, load, scale, substeps, step, start, keep_fine, stem):
 
 
 @njit(cache=True)
-def _bristle_force(state, yields, speed, step, level, stem):
+def _bristle_force(state, yields, speed, step, level, behind, stem):
     """Elastic force of the bristles after a step [N] and their damping [N s/m].
 
-    `state` holds the bristles' deflections and is moved on.
+    `state` holds the bristles' deflections and is moved on. `level` is the friction of this direction, `behind` of the
+    other, which is as far as an element that is bent that way was bent.
     """
     stiffness = stem.bristle_stiffness
     way = 1.0 if speed > 0.0 else -1.0
@@ -214,9 +215,9 @@ def _bristle_force(state, yields, speed, step, level, stem):
         state[0] = way * (1.0 - room) * level / stiffness
         return stiffness * state[0], 0.0
     total, part = 0.0, stiffness / state.size
+    highest, lowest = (level, -behind) if way > 0.0 else (behind, -level)
     for n in range(state.size):
-        limit = yields[n] * level / part
-        state[n] = min(max(state[n] + step * speed, -limit), limit)
+        state[n] = min(max(state[n] + step * speed, lowest * yields[n] / part), highest * yields[n] / part)
         total += part * state[n]
     return total, 0.0
 
@@ -230,7 +231,9 @@ def _creep(pressure, load, scale, substeps, step, start, keep_fine, stem):
     count = ELEMENTS if stem.bristle_law == IWAN else 1
     yields = np.linspace(0.0, 2.0, count) / count if count > 1 else np.ones(1)
     net = driving_force(start, pressure[0, 0], load[0], stem)
-    state = yields * net * count / stem.bristle_stiffness
+    most = friction_level(start, pressure[0, 0], scale[0], 1 if net > 0.0 else -1, stem) * weakening(0.0, 1.0, stem)
+    # What bristles cannot carry, a stop does.
+    state = yields * min(max(net, -most), most) * count / stem.bristle_stiffness
     travel, speed, bond = start, 0.0, 1.0
     for k in range(periods):
         if not keep_fine:
@@ -242,7 +245,10 @@ def _creep(pressure, load, scale, substeps, step, start, keep_fine, stem):
             force = load[k] + (load[k + 1] - load[k]) * (j / substeps)
             direction = 1 if speed > 0.0 else -1
             level = friction_level(travel, p, scale[k], direction, stem) * weakening(speed, bond, stem)
-            friction, viscous = _bristle_force(state, yields, speed, step, level, stem)
+            behind = level
+            if stem.bristle_law == IWAN:
+                behind = friction_level(travel, p, scale[k], -direction, stem) * weakening(speed, bond, stem)
+            friction, viscous = _bristle_force(state, yields, speed, step, level, behind, stem)
             viscous += stem.viscous_up if direction > 0 else stem.viscous_down
             if stem.bond_distance > 0.0:
                 slip = abs(speed) * min(abs(friction) / level, 1.0) ** ELASTIC_POWER
