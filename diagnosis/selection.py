@@ -37,8 +37,21 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Progress, Work, each_in_turn, never, sharpen_all, take_out, try_all, try_anew
+from diagnosis.trying import (
+    Candidate,
+    Progress,
+    Work,
+    begin_again,
+    change_all,
+    each_in_turn,
+    never,
+    sharpen_all,
+    take_out,
+    try_all,
+    try_anew,
+)
 from identification.holdout import Holdout
+from identification.restart import is_far_off
 from valvemodel.declarations import Effect
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
@@ -50,6 +63,9 @@ WORTH_ANOTHER = 0.3
 
 ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
+
+BEGUN_AGAIN = 4
+"""Best causes of two effects that begin again from the given valve's mass where theirs is far off."""
 
 LOOKED_BACK = 2
 """Best causes of three effects that are tried without each of them in turn."""
@@ -183,6 +199,8 @@ def with_kindred(
         done |= {frozenset(each.effects) for each in work}
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
     known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
+    again = worth_beginning_again(known)
+    known = with_better(known, change_all(begin_again, again, holdout, pool, progress, "beginning again with"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
     known = with_better(known, try_all(jumps_anew(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
@@ -191,6 +209,13 @@ def with_kindred(
     for choice in (best_of(known, 2), aliases_of_best(known)):
         known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))
     return known
+
+
+def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the best causes of two effects, if nothing explains the record, whose fit moved the mass far off."""
+    if any_explains(tried):
+        return []
+    return [each for each in best_of(tried, 2)[:BEGUN_AGAIN] if is_far_off(each.fit)]
 
 
 def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:

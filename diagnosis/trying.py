@@ -17,6 +17,7 @@ from identification.extension import extend, extend_from
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
+from identification.restart import with_given_mass
 from identification.screening import screened
 from identification.sharpening import sharpened
 from identification.stick_slip import SlipSearch
@@ -164,8 +165,12 @@ def moved_in(fit: Fit) -> dict[str, tuple[Parameter, ...]]:
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
     """Search about the fit of a cause whose error is jagged, and score it anew."""
-    fit = sharpened(candidate.fit)
-    return replace(candidate, fit=fit, score=score_fit(fit, holdout), trace=trace_of(fit, holdout))
+    return scored(candidate.effects, sharpened(candidate.fit), holdout)
+
+
+def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:
+    """Fit a cause again from the given valve's mass, and score it anew."""
+    return scored(candidate.effects, with_given_mass(candidate.fit), holdout)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:
@@ -276,10 +281,28 @@ def sharpen_all(
     candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
     """Search about the fits of some causes, on all cores where there is a pool."""
+    return change_all(sharpen, candidates, holdout, pool, progress, "searching about")
+
+
+def change_all(
+    change: Callable[[Candidate, Holdout], Candidate],
+    candidates: Sequence[Candidate],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    what: str,
+) -> list[Candidate]:
+    """Return what becomes of some causes by a change, on all cores where there is a pool.
+
+    Parameters
+    ----------
+    change : callable
+        `sharpen` or `begin_again`.
+    """
     if not candidates:
         return []
-    progress(f"searching about {' + '.join(candidates[0].effects)}", 0.0)
-    return list((pool.map if pool else map)(partial(sharpen, holdout=holdout), candidates))
+    progress(f"{what} {' + '.join(candidates[0].effects)}", 0.0)
+    return list((pool.map if pool else map)(change, candidates, repeat(holdout)))
 
 
 def each_in_turn(

@@ -109,6 +109,7 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     monkeypatch.setattr(selection, "extensions", lambda *_: jobs)
     monkeypatch.setattr(selection, "exchanged", lambda _: [])
     monkeypatch.setattr(selection, "on_what_stays", lambda _: [])
+    monkeypatch.setattr(selection, "worth_beginning_again", lambda _: [])
     done = []
 
     def try_all(work, *_):

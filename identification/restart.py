@@ -1,0 +1,33 @@
+"""A fit begun again: the stem's mass back at what the given valve has, all else from where it is."""
+
+from __future__ import annotations
+
+import math
+
+from threadpoolctl import threadpool_limits
+
+from identification.fit import Fit, finished
+from identification.search import descend_to_end
+
+MASS = "stem_mass"
+
+FAR_OFF = math.log(1.5)
+"""Logarithm of the ratio to the given valve's mass from which a fitted one is far off."""
+
+
+def is_far_off(fit: Fit) -> bool:
+    """Return whether a fit moved the mass far from the given valve's."""
+    return any(abs(at) > FAR_OFF for each, at in zip(fit.unknowns, fit.found.point, strict=True) if each.name == MASS)
+
+
+@threadpool_limits.wrap(limits=1)
+def with_given_mass(fit: Fit) -> Fit:
+    """Fit all unknowns anew from where they are, but the mass, which begins at the given valve's; the better fit.
+
+    A valve that lacks an effect may make up for it by a mass many times too small. One that is added there ends in
+    a side minimum: between it and the right one lie swings that the readings do not show.
+    """
+    point = fit.found.point.copy()
+    point[[each.name == MASS for each in fit.unknowns]] = 0.0
+    ended = descend_to_end(fit.problem, point)
+    return finished(fit.problem, ended) if ended.error < fit.found.error else fit
