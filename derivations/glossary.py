@@ -148,8 +148,11 @@ _EFFECTS = (
     Letter("g_k", "spring_progression", "1/m", "share of stiffening over travel", "any"),
     Letter("A_t", "tight_spot_excess", "1", "excess friction in the middle of the spot", "any"),
     Letter("y_t", "tight_spot_position", "m", "middle of the spot", "any"),
-    Letter("w_t", "tight_spot_width", "m", "half-width at 1/e"),
+    Letter("w_t", "tight_spot_width", "m", "half-width, at 1/e where q_t is 0"),
     Letter("n_t", "tight_spot_exponent", "1", "2 for a bell, more for steeper sides"),
+    Letter(
+        "q_t", "tight_spot_closure", "1", "how the spot ends: 0 fading out, more at a distance, less with tails", "any"
+    ),
     Letter("S_p", "friction_area", "m^2", "friction per pressure", "any"),
     Letter("n_p", "friction_pressure_order", "1", "power of the pressure"),
     Letter("u_y", "speed", "m/s", "speed of the stem along its motion"),

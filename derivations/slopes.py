@@ -11,7 +11,8 @@ from derivations.glossary import symbol, symbols
 from derivations.nozzle import normalised_inflow
 
 _PARTS = (
-    "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "relative_speed", "speed_power",
+    "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "distance_power", "fall", "steepness",
+    "relative_speed", "speed_power",
     "power_slope", "share_slope", "share_of_travel", "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope",
     "arm_lever", "arm_centre", "arm_way", "arm_spread",
 )  # fmt: skip
@@ -20,6 +21,9 @@ _PARTS = (
     PRESSURE_SHARE,
     RELATIVE,
     DISTANCE,
+    DISTANCE_POWER,
+    FALL,
+    STEEPNESS,
     RELATIVE_SPEED,
     SPEED_POWER,
     POWER_SLOPE,
@@ -98,16 +102,22 @@ def rows() -> Iterator[tuple[Any, ...]]:
         ),
     )  # fmt: skip
     from_middle = symbol("y") - symbol("y_t")
-    slope = sp.powsimp(sp.diff(tight_friction(), DISTANCE)) * sp.sign(from_middle) / symbol("w_t")
-    yield (
-        "tight_friction_by_position", "stem", "y F_c A_t y_t w_t n_t", slope,
-        "Slope of the Coulomb friction in the position.", "position_dependent_friction, differentiated", "N/m",
-        (
-            (DISTANCE.name, sp.Abs(from_middle) / symbol("w_t")),
-            ("bell", spot_shape()),
-            ("steepness", DISTANCE ** (symbol("n_t") - 1) * sp.sign(from_middle)),
-        ),
-    )  # fmt: skip
+    power = DISTANCE ** symbol("n_t")
+    for name, letters, shape in (
+        ("tight_friction_by_position", "n_t", fading_spot()),
+        ("ending_friction_by_position", "n_t q_t", ending_spot()),
+    ):
+        yield (
+            name, "stem", f"y F_c A_t y_t w_t {letters}",
+            sp.diff(tight_friction(FALL), FALL) * FALL * symbol("n_t") * STEEPNESS / symbol("w_t"),
+            "Slope of the Coulomb friction in the position.", "position_dependent_friction, differentiated", "N/m",
+            (
+                (DISTANCE.name, sp.Abs(from_middle) / symbol("w_t")),
+                (DISTANCE_POWER.name, power),
+                (FALL.name, sp.powsimp(sp.diff(shape, DISTANCE_POWER))),
+                (STEEPNESS.name, sp.powsimp(sp.diff(power, DISTANCE)) / symbol("n_t") * sp.sign(from_middle)),
+            ),
+        )  # fmt: skip
     yield (
         "seal_friction_by_pressure", "stem", "P_b S_p n_p P_1",
         sp.powsimp(sp.diff(seal_friction(), PRESSURE_SHARE)) / symbol("P_1"),
@@ -217,15 +227,21 @@ def spring_force() -> sp.Expr:
     return rate * position * (1 + progression * position + hardening * position**2)
 
 
-def tight_friction() -> sp.Expr:
-    """Coulomb friction with a tight spot, as a function of the relative distance from its middle."""
+def tight_friction(shape: sp.Expr) -> sp.Expr:
+    """Coulomb friction with a tight spot of some shape."""
     coulomb, excess = symbols("F_c A_t")
-    return coulomb * (1 + excess * spot_shape())
+    return coulomb * (1 + excess * shape)
 
 
-def spot_shape() -> sp.Expr:
+def fading_spot() -> sp.Expr:
     """A bell, or with an exponent above 2 one with steeper sides and a flat top."""
-    return sp.exp(-(DISTANCE ** symbol("n_t")))
+    return sp.exp(-DISTANCE_POWER)
+
+
+def ending_spot() -> sp.Expr:
+    """The same that ends at a distance, or fades out more slowly: Tsallis' exponential."""
+    closure = symbol("q_t")
+    return (1 - closure * DISTANCE_POWER) ** (1 / closure)
 
 
 def seal_friction() -> sp.Expr:

@@ -59,14 +59,14 @@ def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, f
         if not each.is_fitted
     }
     forms = effect.laws or [dict(zip(chosen, each, strict=True)) for each in product(*chosen.values())]
-    others = [form for form in forms if form.items() - values.items()]
     held = effect.held_at(values)
     loosened = {
         each.name: next(float(start) for start in each.starts if start != values[each.name])
         for each in effect.fitted
         if each.name in held
     }
-    return [{**values, **loosened, **form} for form in others]
+    made = ({**values, **loosened, **form} for form in forms)
+    return [each for each in made if effect.form_at(each) != effect.form_at(values)]
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

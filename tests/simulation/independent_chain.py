@@ -155,15 +155,19 @@ class IndependentChain:
         for n in range(2, round(self.load_waves) + 1):
             load += getattr(self, f"load_sine_{n}") * math.sin(n * angle)
             load += getattr(self, f"load_cosine_{n}") * math.cos(n * angle)
-        if self.stop_compliance > 0.0:
-            spring += (y - min(max(y, self.lower_stop), self.upper_stop)) / self.stop_compliance
-        return area * pressure - spring - self.spring_preload + load
+        return area * pressure - spring - self.spring_preload + load - self.contact(y)
+
+    def contact(self, y):
+        return (
+            (y - min(max(y, self.lower_stop), self.upper_stop)) / self.stop_compliance if self.stop_compliance else 0.0
+        )
 
     def coulomb(self, time, y, pressure, side):
         friction = self.coulomb_friction * (1.0 + self.friction_asymmetry * side)
-        friction *= 1.0 + self.tight_spot_excess * math.exp(
-            -(abs((y - self.tight_spot_position) / self.tight_spot_width) ** self.tight_spot_exponent)
-        )
+        power = abs((y - self.tight_spot_position) / self.tight_spot_width) ** self.tight_spot_exponent
+        left = max(1.0 - self.tight_spot_closure * power, 0.0)
+        shape = left ** (1.0 / self.tight_spot_closure) if self.tight_spot_closure else math.exp(-power)
+        friction *= 1.0 + self.tight_spot_excess * shape
         if self.friction_area != 0.0:
             friction += (
                 self.friction_area * pressure * (pressure / self.supply_pressure) ** (self.friction_pressure_order - 1)
@@ -402,6 +406,9 @@ class IndependentChain:
         x[CHAMBER] = x[FILLED] = (self.supply_pressure - x[SAG]) * share
         pressure = self.behind_leak(x[FILLED])
         x[STEM] = brentq(lambda y: self.thrust(0.0, y, pressure), -1.0, 2.0, xtol=1e-16, rtol=1e-15)
+        if self.presliding_compliance > 0.0:
+            limit = self.limit(0.0, x[STEM], pressure, 0, 0.0)
+            x[BRISTLE] = min(max(self.contact(x[STEM]), -limit), limit)
         x[READING] = x[FILTERED] = self.bow(x[STEM])
         self.parts = [x[STEM] - self.backlash_start * (self.backlash_half_width - half) for half in self.half_widths]
         x[STEM] -= self.backlash_start * self.backlash_half_width

@@ -24,6 +24,7 @@ NEEDED = {
         "tight_spot_excess": 0.6,
         "tight_spot_position": 0.12,
         "tight_spot_exponent": 2.6,
+        "tight_spot_closure": 0.4,
     },
 }
 """Values of effects whose typical ones come from a record."""

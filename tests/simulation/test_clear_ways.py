@@ -13,15 +13,20 @@ TIME, CURRENT = ramps_and_steps(seconds=4.0, seed=2)
 
 BELLS = [(2e-3, 2.0), (8e-3, 2.0), (8e-3, 6.0), (4e-2, 3.0)]
 SHARP = [(8e-3, 1.0), (8e-3, 1.4), (4e-2, 40.0)]
+ENDING = [(8e-3, 2.0, 0.4), (8e-3, 1.0, 1.0), (2e-2, 2.0, 1.0), (4e-2, 40.0, 0.7), (6e-3, 2.0, -0.5)]
 BESIDE = [(), ("chamber_filling",), ("static_friction",), ("asymmetric_friction",)]
 
 
 @pytest.mark.parametrize(
-    ("width", "exponent", "beside"),
-    [*((*spot, keys) for spot in BELLS for keys in BESIDE), *((*spot, ()) for spot in SHARP)],
+    ("width", "exponent", "closure", "beside"),
+    [
+        *((*spot, 0.0, keys) for spot in BELLS for keys in BESIDE),
+        *((*spot, 0.0, ()) for spot in SHARP),
+        *((*spot, ()) for spot in ENDING),
+    ],
 )
-def test_run_past_a_tight_spot_is_within_its_tolerance(width, exponent, beside):
-    spot = {"tight_spot_excess": 0.6, "tight_spot_position": 0.13}
+def test_run_past_a_tight_spot_is_within_its_tolerance(width, exponent, closure, beside):
+    spot = {"tight_spot_excess": 0.6, "tight_spot_position": 0.13, "tight_spot_closure": closure}
     model = with_effects(base_model(), *beside)
     clear = run(model, TIME, CURRENT)
     model = model.with_effect(

@@ -50,6 +50,22 @@ def test_run_is_within_its_tolerance_of_an_independent_integration(keys):
         assert np.abs(run(model, time, current, tolerance=tolerance) - expected).max() < bound, tolerance
 
 
+@pytest.mark.parametrize("compliance", [0.0, 2e-9, 2e-7])
+@pytest.mark.parametrize("law", [{}, {"slider_share": 1.0}])
+def test_a_stem_on_bristles_starts_alike_a_hair_off_its_stop_and_on_it(compliance, law):
+    stop = 0.08
+    model = with_effects(base_model()).with_effect("presliding", presliding_compliance=2e-6, **law)
+    model = model.with_effect("end_stop", upper_stop=np.inf, lower_stop=stop, stop_compliance=compliance)
+    n = model.numbers
+    time = np.arange(100) / 50.0
+    push = n["coulomb_friction"] * np.linspace(-3.0, 0.5, time.size)
+    pressure = (n["spring_rate"] * stop + n["spring_preload"] + push) / n["diaphragm_area"]
+    runs = [run(model, time, pressure, driven_by=chain.PRESSURE, start=stop + off) for off in (1e-6, 0.0, -1e-6)]
+    assert np.abs(np.diff(runs, axis=0)).max() < 2e-5
+    # It leaves the stop as soon as the force no longer presses it there, as its bristles are bent the other way.
+    assert runs[0][-1] > stop + 5e-4
+
+
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_depth_follows_the_pressure_with_the_friction_of_its_direction(side):
     """S_1 P - F_0 -+ F_c = k y + (y - y_s)/C going in and out, and the stem holds in between."""

@@ -19,6 +19,7 @@ NEEDED = {
         "tight_spot_excess": 0.6,
         "tight_spot_position": 0.12,
         "tight_spot_exponent": 2.6,
+        "tight_spot_closure": 0.4,
     },
 }
 KEYS = [effect.key for effect in EFFECTS if effect.key != "quantisation"]

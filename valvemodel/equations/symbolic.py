@@ -595,13 +595,42 @@ def tight_friction_by_position(
     coulomb_friction : Coulomb friction. [N]
     tight_spot_excess : excess friction in the middle of the spot. [1]
     tight_spot_position : middle of the spot. [m]
-    tight_spot_width : half-width at 1/e. [m]
+    tight_spot_width : half-width, at 1/e where q_t is 0. [m]
     tight_spot_exponent : 2 for a bell, more for steeper sides. [1]
     """
     relative_distance = ca.fabs(position - tight_spot_position) / tight_spot_width
-    bell = ca.exp(-(relative_distance**tight_spot_exponent))
+    distance_power = relative_distance**tight_spot_exponent
+    fall = -ca.exp(-distance_power)
     steepness = relative_distance ** (tight_spot_exponent - 1) * ca.sign(position - tight_spot_position)
-    return -tight_spot_excess * coulomb_friction * bell * tight_spot_exponent * steepness / tight_spot_width
+    return tight_spot_excess * coulomb_friction * fall * tight_spot_exponent * steepness / tight_spot_width
+
+
+def ending_friction_by_position(
+    position,
+    coulomb_friction,
+    tight_spot_excess,
+    tight_spot_position,
+    tight_spot_width,
+    tight_spot_exponent,
+    tight_spot_closure,
+):
+    """Slope of the Coulomb friction in the position.
+
+    Effect position_dependent_friction, differentiated. Returns [N/m].
+
+    position : stem displacement. [m]
+    coulomb_friction : Coulomb friction. [N]
+    tight_spot_excess : excess friction in the middle of the spot. [1]
+    tight_spot_position : middle of the spot. [m]
+    tight_spot_width : half-width, at 1/e where q_t is 0. [m]
+    tight_spot_exponent : 2 for a bell, more for steeper sides. [1]
+    tight_spot_closure : how the spot ends: 0 fading out, more at a distance, less with tails. [1]
+    """
+    relative_distance = ca.fabs(position - tight_spot_position) / tight_spot_width
+    distance_power = relative_distance**tight_spot_exponent
+    fall = -1 / (1 - tight_spot_closure * distance_power) ** (1 - 1 / tight_spot_closure)
+    steepness = relative_distance ** (tight_spot_exponent - 1) * ca.sign(position - tight_spot_position)
+    return tight_spot_excess * coulomb_friction * fall * tight_spot_exponent * steepness / tight_spot_width
 
 
 def seal_friction_by_pressure(pressure, friction_area, friction_pressure_order, supply_pressure):

@@ -68,13 +68,22 @@ def friction_slopes(numbers: Mapping[str, float], point: OperatingPoint) -> tupl
     fall = falling_friction(numbers)
     factor = evaluate(numeric.stribeck_factor, fall, speed=point.speed)
     coulomb = numbers["coulomb_friction"] * (1.0 + numbers["friction_asymmetry"] * point.side)
-    by_position = evaluate(
-        numeric.tight_friction_by_position, numbers, position=point.position, coulomb_friction=coulomb
-    )
+    by_position = tight_slope(numbers, position=point.position, coulomb_friction=coulomb)
     by_pressure = evaluate(numeric.seal_friction_by_pressure, numbers, pressure=point.pressure)
     by_speed = evaluate(numeric.stribeck_factor_by_speed, fall, speed=point.speed)
     side = point.side
     return side * factor * by_position, point.friction / factor * by_speed, side * factor * by_pressure
+
+
+def tight_slope(numbers: Mapping[str, float], **given: float) -> float:
+    """Return how the Coulomb friction grows with the position. [N/m]"""
+    closure = numbers["tight_spot_closure"]
+    if closure == 0.0:
+        return evaluate(numeric.tight_friction_by_position, numbers, **given)
+    distance = abs(given["position"] - numbers["tight_spot_position"]) / numbers["tight_spot_width"]
+    if closure * distance ** numbers["tight_spot_exponent"] >= 1.0:
+        return 0.0
+    return evaluate(numeric.ending_friction_by_position, numbers, **given)
 
 
 def _oscillator(mass: float, damping: float, stiffness: float, area: float) -> ct.StateSpace:

@@ -15,6 +15,7 @@ from valvemodel.reference.slip import Motion
 from valvemodel.reference.stem import (
     Span,
     breakaway_ratio,
+    contact_force,
     coulomb_friction,
     highest_position,
     is_blocked,
@@ -52,7 +53,8 @@ class BristleStem:
         self.pressure: Pressure = lambda _: pressure
         self.time = 0.0
         limit = sliding_limit(numbers, self.position, 0.0, pressure, 0.0)
-        self.bristle = min(max(thrust(numbers, self.position, pressure, 0.0), -limit), limit)
+        carried = thrust(numbers, self.position, pressure, 0.0) + contact_force(numbers, self.position)
+        self.bristle = min(max(carried, -limit), limit)
         self.sliders = [yields * self.bristle * numbers.presliding_compliance for yields in slider_yields()]
 
     def hold(self, pressure: Pressure, time: float, duration: float) -> Iterator[tuple[Motion, float]]:

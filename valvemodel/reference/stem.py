@@ -42,11 +42,18 @@ def coulomb_friction(n: SimpleNamespace, side: float, position: float, pressure:
     """Return the friction of a stem that moves fast to a side, without its viscous part. [N]"""
     friction = n.coulomb_friction * (1.0 + n.friction_asymmetry * side)
     distance = abs(position - n.tight_spot_position) / n.tight_spot_width
-    friction *= 1.0 + n.tight_spot_excess * exp(-(distance**n.tight_spot_exponent))
+    friction *= 1.0 + n.tight_spot_excess * ending(n.tight_spot_closure, distance**n.tight_spot_exponent)
     inflated = max(pressure, 0.0)
     seal = n.friction_area * inflated * (inflated / n.supply_pressure) ** (n.friction_pressure_order - 1.0)
     growth = max(1.0 - n.friction_drift_rate * n.friction_drift_time * expm1(-time / n.friction_drift_time), 0.0)
     return growth * max(friction + seal, 0.0)
+
+
+def ending(closure: float, power: float) -> float:
+    """Return the share of a tight spot's excess friction that is left at a power of the distance from its middle."""
+    if closure == 0.0:
+        return exp(-power)
+    return max(1.0 - closure * power, 0.0) ** (1.0 / closure)
 
 
 def breakaway_ratio(n: SimpleNamespace) -> float:

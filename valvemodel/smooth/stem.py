@@ -38,6 +38,12 @@ VARIES_FRICTION = {"friction_drift", "position_dependent_friction", "pressure_de
 LEAST_SQUARE = 1e-12
 """What keeps the relative distance from a tight spot off 0, in square."""
 
+LEAST_LEFT = 1e-12
+"""What keeps the way to the end of a tight spot off 0, as a share."""
+
+SMALL_SHARE = 1e-3
+"""Below this share of the way to where a tight spot ends, a series stands in for the logarithm."""
+
 
 def states_of(effects: Collection[str], *, slides: bool) -> tuple[str, ...]:
     """Return the names of the states that the effects need; sliders are left out where they carry nothing."""
@@ -47,11 +53,11 @@ def states_of(effects: Collection[str], *, slides: bool) -> tuple[str, ...]:
 
 
 def put_stem(p: Any, x: Any, position: Expression, time: Expression) -> None:
-    """Put the stem at rest at a position; bristles carry the thrust as far as they can."""
+    """Put the stem at rest at a position; bristles carry the thrust off the stops as far as they can."""
     x.position, x.velocity = position, 0.0
     if "presliding" in p.effects:
         limit = sliding_friction(p, 0.0, position, x.pressure, time)
-        x.bristle = ca.fmin(ca.fmax(thrust(p, position, x.pressure, time), -limit), limit)
+        x.bristle = ca.fmin(ca.fmax(thrust_off_stops(p, position, x.pressure, time), -limit), limit)
         if p.slides:
             bend_sliders(p, x, x.bristle)
     stop_at_limits(p, x)
@@ -166,13 +172,31 @@ def stiffness(p: Any, side: Expression, position: Expression, pressure: Expressi
         bump = tight_spot_bump(p, distance)
         level = sliding_friction(p, side, position, pressure, time)
         steepness = p.tight_spot_exponent * distance * squared(distance) ** (0.5 * p.tight_spot_exponent - 1.0)
+        steepness /= 1.0 - closeness(p, tight_spot_power(p, distance))
         slope = ca.fmax(slope - steepness / p.tight_spot_width * side * level * bump / (1.0 + bump), 0.0)
     return slope
 
 
 def tight_spot_bump(p: Any, distance: Expression) -> Expression:
     """Return the excess friction at a distance from the middle of a tight spot, in half-widths."""
-    return p.tight_spot_excess * ca.exp(-(squared(distance) ** (0.5 * p.tight_spot_exponent)))
+    power = tight_spot_power(p, distance)
+    share = closeness(p, power)
+    is_small = ca.fabs(share) < SMALL_SHARE
+    away = ca.if_else(is_small, 0.5, share)
+    longer = ca.if_else(
+        is_small, 1.0 + share * (1.0 / 2.0 + share * (1.0 / 3.0 + share / 4.0)), -ca.log1p(-away) / away
+    )
+    return p.tight_spot_excess * ca.exp(-power * longer)
+
+
+def tight_spot_power(p: Any, distance: Expression) -> Expression:
+    """Return the power of a distance from the middle of a tight spot, in half-widths, with which its excess falls."""
+    return squared(distance) ** (0.5 * p.tight_spot_exponent)
+
+
+def closeness(p: Any, power: Expression) -> Expression:
+    """Return that power over the one at which a tight spot ends, kept below 1; below 0 where it has tails."""
+    return ca.fmin(p.tight_spot_closure * power, 1.0 - LEAST_LEFT)
 
 
 def squared(distance: Expression) -> Expression:

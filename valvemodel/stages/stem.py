@@ -148,8 +148,8 @@ EFFECTS = (
         stage="stem",
         title="tight spot",
         meaning="friction is higher around one place of the travel",
-        equation=r"F_c\,(1 + A\,e^{-|(y - y_0)/w|^n})",
-        source="bent stem, scored packing",
+        equation=r"F_c\,(1 + A\,(1 - q\,u)_+^{1/q}), \quad u = |(y - y_0)/w|^n; \quad q = 0:\ e^{-u}",
+        source="bent stem, scored packing; Tsallis, J. Stat. Phys. 52 (1988), for the form",
         parameters=(
             Parameter("tight_spot_excess", "1", "A: excess friction in the middle", -0.9, 5.0, 0.0, (0.4, 1.0)),
             Parameter(
@@ -162,7 +162,16 @@ EFFECTS = (
                 ("travel_place",),
                 typical=0.14,
             ),
-            Parameter("tight_spot_width", "m", "half-width at 1/e", 1e-3, 0.2, 0.02, (0.012, 0.006, 0.03), "log"),
+            Parameter(
+                "tight_spot_width",
+                "m",
+                "w: half-width, at 1/e where q is 0",
+                1e-3,
+                0.2,
+                0.02,
+                (0.012, 0.006, 0.03),
+                "log",
+            ),
             Parameter(
                 "tight_spot_exponent",
                 "1",
@@ -172,6 +181,16 @@ EFFECTS = (
                 2.0,
                 (2.0,),
                 "log",
+                is_later=True,
+            ),
+            Parameter(
+                "tight_spot_closure",
+                "1",
+                "q: 0 fades out, 0.4 ends as a raised cosine, 1 with a corner; below 0 tails",
+                -0.5,
+                1.0,
+                0.0,
+                (0.0,),
                 is_later=True,
             ),
         ),
@@ -347,6 +366,8 @@ EFFECTS = (
             ),
         ),
         is_one_of=True,
+        # A stop that gives way throws the stem back, however stiff it is; one that stops dead does not.
+        laws=({"stop_compliance": 0.0}, {}),
         aliases=("magnetic_saturation",),
         told_apart_by="the readings themselves: they stay at one value while the current goes on",
     ),
@@ -424,6 +445,15 @@ def thrust(p, position, pressure, time):
 @inlined
 def inner_thrust(p, position, pressure):
     """Return the force of pressure, spring and stops on the stem: what drives it without a load. [N]"""
+    force = thrust_off_stops(p, position, pressure)
+    if p.stop_compliance > 0.0:
+        force -= (max(position - p.upper_stop, 0.0) - max(p.lower_stop - position, 0.0)) / p.stop_compliance
+    return force
+
+
+@inlined
+def thrust_off_stops(p, position, pressure):
+    """Return that force without the one of stops that give way. [N]"""
     force = driving_force(pressure, position, p.diaphragm_area, p.spring_rate, p.spring_preload)
     if p.area_slope != 0.0:
         force += p.diaphragm_area * p.area_slope * position * pressure
@@ -433,17 +463,41 @@ def inner_thrust(p, position, pressure):
         force -= p.spring_rate * p.spring_hardening * position * position * position
     if p.spring_progression != 0.0:
         force -= p.spring_rate * p.spring_progression * position * position
-    if p.stop_compliance > 0.0:
-        force -= (max(position - p.upper_stop, 0.0) - max(p.lower_stop - position, 0.0)) / p.stop_compliance
     return force
 
 
 @inlined
 def tight_spot_bump(p, distance):
     """Return the excess friction at a distance from the middle of a tight spot, in half-widths."""
+    return p.tight_spot_excess * ending(p, tight_spot_power(p, distance))
+
+
+@inlined
+def tight_spot_power(p, distance):
+    """Return the power of a distance from the middle of a tight spot, in half-widths, with which its excess falls."""
     if p.tight_spot_exponent == 2.0:
-        return p.tight_spot_excess * math.exp(-distance * distance)
-    return p.tight_spot_excess * math.exp(-(abs(distance) ** p.tight_spot_exponent))
+        return distance * distance
+    return abs(distance) ** p.tight_spot_exponent
+
+
+@inlined
+def ending(p, power):
+    """Return the share of the excess friction of a tight spot that is left at that power of the distance."""
+    if p.tight_spot_closure == 0.0:
+        return math.exp(-power)
+    if p.tight_spot_closure * power >= 1.0:
+        return 0.0
+    return math.exp(math.log1p(-p.tight_spot_closure * power) / p.tight_spot_closure)
+
+
+@inlined
+def tight_spot_slope(p, distance):
+    """Return how fast the excess friction grows with the distance, in half-widths, from the middle of a tight spot."""
+    power = tight_spot_power(p, distance)
+    if distance == 0.0 or p.tight_spot_closure * power >= 1.0:
+        return 0.0
+    fall = p.tight_spot_excess * ending(p, power) / (1.0 - p.tight_spot_closure * power)
+    return -p.tight_spot_exponent * power / distance * fall
 
 
 @compiled
@@ -452,7 +506,10 @@ def reach_of_tight_spot(p, force):
     excess = abs(p.tight_spot_excess) * p.coulomb_friction * (1.0 + abs(p.friction_asymmetry))
     if excess <= force:
         return 0.0
-    return p.tight_spot_width * math.log(excess / force) ** (1.0 / p.tight_spot_exponent)
+    power = math.log(excess / force)
+    if p.tight_spot_closure != 0.0:
+        power = -math.expm1(-p.tight_spot_closure * power) / p.tight_spot_closure
+    return p.tight_spot_width * power ** (1.0 / p.tight_spot_exponent)
 
 
 @compiled
@@ -509,10 +566,7 @@ def tangent_stiffness(p, side, position, pressure, time):
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         bump = tight_spot_bump(p, distance)
         friction = sliding_friction(p, side, position, pressure, time)
-        steepness = 2.0 * distance
-        if p.tight_spot_exponent != 2.0:
-            steepness = p.tight_spot_exponent * math.copysign(abs(distance) ** (p.tight_spot_exponent - 1.0), distance)
-        stiffness -= steepness / p.tight_spot_width * side * friction * bump / (1.0 + bump)
+        stiffness += tight_spot_slope(p, distance) / p.tight_spot_width * side * friction / (1.0 + bump)
     return stiffness
 
 
@@ -671,13 +725,17 @@ def rest_stem(p, state, pressure, time):
 
 @compiled
 def put_stem(p, state, position, pressure, time):
-    """Put the stem at rest at a position within its travel; bristles carry the thrust as far as they can."""
+    """Put the stem at rest at a position within its travel; bristles carry the thrust as far as they can.
+
+    They are bent as if it had come from off a stop that gives way: that is pressed by what they cannot carry.
+    """
     position = min(max(position, lowest_position(p)), highest_position(p))
     position = held_by_stops(p, position, pressure, time)
     state.position = position
     state.velocity = 0.0
     state.mode = STUCK
     limit = limiting_friction(p, 0.0, position, pressure, time, 0.0)
-    state.bristle = min(max(thrust(p, position, pressure, time), -limit), limit)
+    carried = thrust_off_stops(p, position, pressure) + load_if_any(p, time)
+    state.bristle = min(max(carried, -limit), limit)
     if has_sliders(p):
         bend_sliders(p, state, state.bristle)

@@ -25,6 +25,9 @@ UNSTABLE = 3.0
 MEETING = 1e-3
 """Share of the tolerance within which an event is met."""
 
+CORE = 1.0
+"""Distance between two nodes, in half-widths, at which one lies in the core of a tight spot that they are about."""
+
 ROUNDS = 40
 """Most trials of the length of a step that ends at an event; bisection alone gains a digit with three."""
 
@@ -46,6 +49,8 @@ def advance_travel(p, state, memory, time, duration, tolerance):
         error = sweep_step(p, state, memory, step, count, tolerance)
         if state.plan_bowed == 1.0:
             error += bow_left_out(p, memory, count, tolerance) / (STEP_SHARE * tolerance)
+        if p.tight_spot_excess != 0.0 and leaps_over_spot(p, state, memory, count):
+            error = math.inf
         if error <= 1.0 or step <= SHORTEST_STEP:
             break
         # The error falls with a high power of the length.
@@ -69,6 +74,18 @@ def advance_travel(p, state, memory, time, duration, tolerance):
         step = meet(p, state, memory, count, tolerance, kind, low, high, room if kind == LIMIT else contact)
     finish_step(p, state, memory, count, ended)
     return step
+
+
+@compiled
+def leaps_over_spot(p, state, memory, count):
+    """Return whether a tight spot may lie unseen between two nodes of the step, none of them well within it."""
+    middle = memory.step_side * (p.tight_spot_position - memory.step_position)
+    widest = min(state.plan_reach, CORE * p.tight_spot_width)
+    for node in range(1, count + 1):
+        low, high = memory.ways[node - 1], memory.ways[node]
+        if high - low > widest > 0.0 and low < middle + widest and high > middle - widest:
+            return True
+    return False
 
 
 @compiled
