@@ -32,7 +32,7 @@ from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_t
 from diagnosis.report.place import StageWords, regimes_of, stages_of, where_of
 from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of
 from diagnosis.report.where import half_of_chain
-from valvemodel.declarations import Parameter
+from valvemodel.declarations import Effect, Parameter
 from valvemodel.effects import HIGHER
 
 _SHOWN_CAUSES = 8
@@ -192,6 +192,8 @@ def _unknown_words(probability: float) -> CauseWords:
 def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWords:
     effect = DECLARED.get(key)
     declared = {parameter.name: parameter for parameter in effect.shown} if effect else {}
+    values = {name: each["value"] for name, each in found.items() if is_number(each.get("value"))}
+    held = effect.held_at(values) if effect else frozenset()
     unknown = [name for name in found if name not in declared and name not in HIGHER]
     order = [name for name in declared if name in found and not _is_first_law(declared[name], found[name])] + unknown
     return EffectWords(
@@ -205,7 +207,7 @@ def _effect_words(key: str, found: Mapping[str, Mapping[str, Any]]) -> EffectWor
             ParameterWords(
                 name=name,
                 meaning=declared[name].meaning if name in declared else "",
-                value=_value_words(declared.get(name), found[name]),
+                value=_value_words(found[name], _why_held(effect) if name in held else ""),
             )
             for name in order
         ),
@@ -217,11 +219,17 @@ def _is_first_law(parameter: Parameter, found: Mapping[str, Any]) -> bool:
     return not parameter.is_fitted and found.get("value") == parameter.neutral
 
 
-def _value_words(parameter: Parameter | None, found: Mapping[str, Any]) -> str:
-    """Say what was found of a parameter; one that chooses a law is not fitted, and has no uncertainty."""
-    if parameter is not None and not parameter.is_fitted:
-        return f"{found['value']:g} (chosen)"
-    return amount_with_std(found.get("value"), found.get("std"), found.get("unit", "1"))
+def _why_held(effect: Effect | None) -> str:
+    """Say where the numbers of an effect that no fit moves come from."""
+    return "read off the record" if effect is not None and effect.is_read_off else "chosen"
+
+
+def _value_words(found: Mapping[str, Any], why_held: str) -> str:
+    """Say what was found of a parameter; one that no fit moved has no uncertainty."""
+    value, unit = found.get("value"), found.get("unit", "1")
+    if why_held and is_number(value):
+        return f"{value:g} ({why_held})" if unit == "1" else f"{amount(value, unit)} ({why_held})"
+    return amount_with_std(value, found.get("std"), unit)
 
 
 def _told(causes: Sequence[CauseWords], found: str) -> tuple[tuple[EffectWords, str], ...]:

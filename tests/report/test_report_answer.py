@@ -11,6 +11,7 @@ from rich.console import Console
 
 from diagnosis.report import print_answer
 from diagnosis.report.words import make_answer
+from valvemodel.effects import effect_of_key
 
 
 def printed(diagnosis: dict[str, Any], *, width: int = 80, **places: str) -> str:
@@ -177,3 +178,19 @@ def test_the_law_that_an_effect_follows_is_said_to_be_chosen_where_it_is_another
     text = printed(diagnosis)
     assert "filling_of_gas = 1 (chosen)" in text
     assert "laminar_filling" not in text
+
+
+@pytest.mark.parametrize(
+    ("key", "values", "said"),
+    [
+        ("end_stop", {"upper_stop": 0.2, "stop_compliance": 0.0}, "stop_compliance = 0 µm/N (chosen)"),
+        ("end_stop", {"upper_stop": 0.2, "stop_compliance": 2e-7}, "stop_compliance = 0.2000 ± 0.0020 µm/N"),
+        ("quantisation", {"resolution": 5e-4}, "resolution = 0.500 mm (read off the record)"),
+    ],
+)
+def test_a_number_that_no_fit_moved_is_said_with_its_unit_and_where_it_comes_from(key, values, said) -> None:
+    diagnosis = effect()[0]
+    units = {each.name: each.unit for each in effect_of_key(key).parameters}
+    found = {name: {"value": value, "unit": units[name], "std": 0.01 * value} for name, value in values.items()}
+    diagnosis["causes"] = [cause([key], 0.9, 1.58e-4, 0.99, parameters={key: found})]
+    assert said in printed(diagnosis)
