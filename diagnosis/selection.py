@@ -108,7 +108,9 @@ def try_together(
             break
         if size == 2:
             tried = with_kindred(tried, holdout, pool, progress)
+        led = leading_pair(tried)
         tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), holdout, pool, progress))
+        tried = exchanged_anew(tried, led, holdout, pool, progress)
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
@@ -198,6 +200,7 @@ def with_kindred(
         work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
         done |= {frozenset(each.effects) for each in work}
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
+    led = leading_pair(known)
     known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
     again = worth_beginning_again(known)
     known = with_better(known, change_all(begin_again, again, holdout, pool, progress, "beginning again with"))
@@ -206,9 +209,23 @@ def with_kindred(
     known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
     alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
     known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
+    known = exchanged_anew(known, led, holdout, pool, progress)
     for choice in (best_of(known, 2), aliases_of_best(known)):
         known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))
     return known
+
+
+def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
+    """Return the best two effects."""
+    return frozenset(best_of(tried, 2)[0].effects)
+
+
+def exchanged_anew(
+    tried: Sequence[Candidate], led: frozenset[str], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Return what was tried, with the best two effects exchanged for their aliases if two others led until then."""
+    work = exchanged(tried) if leading_pair(tried) != led else []
+    return with_better(tried, try_all(work, holdout, pool, progress, "2 effects together"))
 
 
 def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:

@@ -525,3 +525,14 @@ def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_tol
     base.fit.problem.noise_error = 100.0
     work = singles.called_for(base, Work(base.fit, ("coil_lag",), False), [])
     assert (work.promise, work.worth) == (singles.PROMISE_AT_NOISE, math.inf)
+
+
+@pytest.mark.parametrize("is_another", [True, False])
+def test_aliases_of_two_effects_that_lead_only_after_a_look_back_are_tried_too(monkeypatch, is_another):
+    tried = [candidate(40.0), candidate(20.0, "supply_droop"), candidate(1.1, "supply_droop", "linkage_nonlinearity")]
+    asked = Work(tried[1].fit, ("spring_hardening", "supply_droop"), False)
+    monkeypatch.setattr(selection, "exchanged", lambda _: [asked])
+    monkeypatch.setattr(selection, "try_all", lambda work, *_: [candidate(1.05, *each.effects) for each in work])
+    led = frozenset({"supply_droop", "gap_drift" if is_another else "linkage_nonlinearity"})
+    known = selection.exchanged_anew(tried, led, None, None, None)
+    assert [each.effects for each in known[3:]] == ([asked.effects] if is_another else [])
