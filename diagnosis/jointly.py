@@ -12,6 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from diagnosis.explaining import misfit
+from diagnosis.standing import MANY_NUMBERS
 from diagnosis.trying import Candidate, Progress, scored
 from identification.fit import Fit, finished
 from identification.holdout import Holdout
@@ -79,15 +80,18 @@ def try_jointly(
 def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) -> list[Start]:
     """Return where the best of some searches came, as starts; few of the same effects in the same form.
 
-    A form is told by the numbers that no fit moves.
+    A form is told by the numbers that no fit moves. An effect of many numbers may stand in for two others: beside
+    whatever else it comes near, and would leave no room for them.
     """
     kept: list[Start] = []
-    known: Counter[tuple[object, ...]] = Counter()
+    known: Counter[object] = Counter()
     for problem, each in sorted(found, key=lambda one: one[1].error):
-        form = tuple((key, effect_of_key(key).form_at(values)) for key, values in sorted(problem.model.effects.items()))
-        known[form] += 1
-        if known[form] <= of_a_form:
+        effects = sorted(problem.model.effects.items())
+        form = tuple((key, effect_of_key(key).form_at(values)) for key, values in effects)
+        many = [key for key, values in effects if len(effect_of_key(key).free_at(values)) >= MANY_NUMBERS]
+        if known[form] < of_a_form and all(known[key] < count // 2 for key in many):
             kept.append((problem, each.point))
+            known.update([form, *many])
     return kept[:count]
 
 

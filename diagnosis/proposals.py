@@ -50,9 +50,9 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
-BEHIND, SLIGHTLY = 1.5, 1.02
+BEHIND, BEHIND_NEAR, SLIGHTLY = 1.5, 2.0, 1.02
 """Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
-tried once more: as fitted alone with the other effect on top, and on top of that."""
+tried once more: as fitted alone with the other effect on top, in all and beyond the noise, and on top of that."""
 
 
 def extensions(
@@ -309,9 +309,14 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
         for kept, left, other in exchanges(best, best_of(tried, 1)):
             (key,) = other.effects
             cause, values = frozenset((key, kept)), dict(best.fit.model.effects[kept])
-            if are_aliases(left, key) and known.get(cause, math.inf) > BEHIND * misfit(best):
+            if are_aliases(left, key) and lies_behind(known.get(cause, math.inf), misfit(best)):
                 work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return list(work.values())
+
+
+def lies_behind(left: float, least: float) -> bool:
+    """Return whether what a cause leaves is so much more than the least that its search may have gone astray."""
+    return left > min(BEHIND * least, 1.0 + BEHIND_NEAR * (max(least, AT_NOISE) - 1.0))
 
 
 def exchanges(pair: Candidate, alone: Iterable[Candidate]) -> Iterator[tuple[str, str, Candidate]]:

@@ -101,7 +101,7 @@ def try_together(
         if size == 2 and not goes_in_jumps(order[0]):
             tried = with_better(tried, try_jointly(tried, holdout, pool, progress))
             tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
-        if not is_told(tried) and not any(explains(each, base) for each in order):
+        if not is_told(tried) and not any(is_enough(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, holdout, pool, progress)
         best = best_of(tried, size)
         if not best or not gains(best[0], order[0]):
@@ -129,14 +129,17 @@ def is_explained(tried: Sequence[Candidate], size: int) -> bool:
     return explains(base, base) or any(len(each.effects) > 1 or leaves_nothing_to_tell(each, tried) for each in ends)
 
 
+def is_enough(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause explains the record, and comes to the noise if it may stand in for others."""
+    return explains(candidate, base) and (misfit(candidate) < AT_NOISE or not stands_in(candidate))
+
+
 def is_told(tried: Sequence[Candidate]) -> bool:
     """Return whether the nearest two effects explain the record, and neither may stand in for anything.
 
     At the noise none of few numbers can come nearer.
     """
-    return any(
-        explains(each, tried[0]) and (misfit(each) < AT_NOISE or not stands_in(each)) for each in best_of(tried, 2)[:1]
-    )
+    return any(is_enough(each, tried[0]) for each in best_of(tried, 2)[:1])
 
 
 def gains(candidate: Candidate, other: Candidate) -> bool:

@@ -15,6 +15,7 @@ from identification.experiment import experiment_of
 from identification.fit import fit_base
 from identification.holdout import hold_out
 from identification.search import Found
+from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
 
 QUIET = lambda what, share: None  # noqa: E731
@@ -36,6 +37,18 @@ def test_few_starts_of_the_same_form_go_on():
     kept = nearest(found, 9, 1)
     assert [(each is flat, point[0]) for each, point in kept] == [(True, 1.0), (False, 9.0)]
     assert [point[0] for _, point in nearest(found, 2, 2)] == [1.0, 2.0]
+
+
+def test_what_may_stand_in_for_two_leaves_room_for_them():
+    spot = effect_of_key("position_dependent_friction").typical
+    beside = ("coil_lag", "sensor_lag", "gap_drift", "sensor_drift")
+    pairs = [{"position_dependent_friction": spot, key: effect_of_key(key).typical} for key in beside]
+    pairs.append({key: effect_of_key(key).typical for key in ("coil_lag", "gap_drift")})
+    found = [
+        (SimpleNamespace(model=SimpleNamespace(effects=effects)), Found(np.array([error]), error))
+        for error, effects in enumerate(pairs)
+    ]
+    assert [point[0] for _, point in nearest(found, 5, 1)] == [0, 1, 4]
 
 
 def test_what_takes_a_global_search_or_is_read_off_is_not_joined():
