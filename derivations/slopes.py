@@ -12,9 +12,8 @@ from derivations.nozzle import normalised_inflow
 
 _PARTS = (
     "above_knee", "share_of_supply", "relative_ratio", "relative_distance", "distance_power", "fall", "steepness",
-    "relative_speed", "speed_power",
-    "power_slope", "share_slope", "share_of_travel", "bow_slope", "skew_slope", "ramp", "ramp_slope", "loss_slope",
-    "arm_lever", "arm_centre", "arm_way", "arm_spread",
+    "relative_speed", "speed_power", "power_slope", "share_slope", "share_of_travel", "bow_slope", "skew_slope", "ramp",
+    "ramp_slope", "loss_slope", "arm_lever", "arm_centre", "arm_way", "arm_spread",
 )  # fmt: skip
 (
     ABOVE,
@@ -109,7 +108,7 @@ def rows() -> Iterator[tuple[Any, ...]]:
     ):
         yield (
             name, "stem", f"y F_c A_t y_t w_t {letters}",
-            sp.diff(tight_friction(FALL), FALL) * FALL * symbol("n_t") * STEEPNESS / symbol("w_t"),
+            sp.powsimp(sp.diff(tight_friction(shape), DISTANCE_POWER)) * symbol("n_t") * STEEPNESS / symbol("w_t"),
             "Slope of the Coulomb friction in the position.", "position_dependent_friction, differentiated", "N/m",
             (
                 (DISTANCE.name, sp.Abs(from_middle) / symbol("w_t")),

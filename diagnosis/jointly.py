@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from diagnosis.explaining import misfit
-from diagnosis.standing import MANY_NUMBERS
+from diagnosis.standing import of_many_numbers
 from diagnosis.trying import Candidate, Progress, scored
 from identification.fit import Fit, finished
 from identification.holdout import Holdout
@@ -86,9 +86,8 @@ def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) 
     kept: list[Start] = []
     known: Counter[object] = Counter()
     for problem, each in sorted(found, key=lambda one: one[1].error):
-        effects = sorted(problem.model.effects.items())
-        form = tuple((key, effect_of_key(key).form_at(values)) for key, values in effects)
-        many = [key for key, values in effects if len(effect_of_key(key).free_at(values)) >= MANY_NUMBERS]
+        form = tuple((key, effect_of_key(key).form_at(values)) for key, values in sorted(problem.model.effects.items()))
+        many = of_many_numbers(problem.model)
         if known[form] < of_a_form and all(known[key] < count // 2 for key in many):
             kept.append((problem, each.point))
             known.update([form, *many])

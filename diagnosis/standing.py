@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from diagnosis.explaining import AT_NOISE, explains, misfit
 from diagnosis.trying import Candidate, moved_in
 from valvemodel.effects import differ_by_aliases, effect_of_key
+from valvemodel.model import Model
 
 SHARPENED = 2
 """Best causes that are searched about where they make the stem stop and jump, and leave something to explain."""
@@ -71,14 +72,19 @@ def is_settled(candidate: Candidate, base: Candidate) -> bool:
     place of something else.
     """
     within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
-    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate.fit).values()]
+    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate.fit.model).values()]
     return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
 
 
 def stands_in(candidate: Candidate) -> bool:
     """Return whether an effect of a cause has so many free numbers that it may stand in for another, at little cost."""
-    many = [key for key, moved in moved_in(candidate.fit).items() if len(moved) >= MANY_NUMBERS]
+    many = of_many_numbers(candidate.fit.model)
     return any(not effect_of_key(key).takes_long for key in many) or candidate.has_series
+
+
+def of_many_numbers(model: Model) -> list[str]:
+    """Return the effects of a model that have so many free numbers."""
+    return [key for key, moved in moved_in(model).items() if len(moved) >= MANY_NUMBERS]
 
 
 def is_read_off(candidate: Candidate) -> bool:

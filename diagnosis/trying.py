@@ -24,6 +24,7 @@ from identification.stick_slip import SlipSearch
 from identification.unknowns import freed_by
 from valvemodel.declarations import Parameter
 from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
 
 SERIES = 2
 """Free parameters that a series of like numbers counts as."""
@@ -153,14 +154,14 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 
 def freedom_of(fit: Fit) -> int:
     """Return the number of free parameters that a fit's effects bring; a series, held by its prior, is few."""
-    own = sum(not each.is_higher for moved in moved_in(fit).values() for each in moved)
+    own = sum(not each.is_higher for moved in moved_in(fit.model).values() for each in moved)
     freed = freed_by(fit.model.effects, with_pressure=fit.problem.has_pressure)
     return own + len(freed) + (SERIES if fit.problem.has_series else 0)
 
 
-def moved_in(fit: Fit) -> dict[str, tuple[Parameter, ...]]:
-    """Return the parameters of each effect of a fit that it moved."""
-    return {key: effect_of_key(key).free_at(values) for key, values in fit.model.effects.items()}
+def moved_in(model: Model) -> dict[str, tuple[Parameter, ...]]:
+    """Return the parameters of each effect of a fitted model that the fit moved."""
+    return {key: effect_of_key(key).free_at(values) for key, values in model.effects.items()}
 
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:

@@ -491,13 +491,12 @@ def ending(p, power):
 
 
 @inlined
-def tight_spot_slope(p, distance):
-    """Return how fast the excess friction grows with the distance, in half-widths, from the middle of a tight spot."""
+def tight_spot_slope(p, distance, bump):
+    """Return how fast the excess friction, given, grows with the distance from the middle of a tight spot."""
     power = tight_spot_power(p, distance)
     if distance == 0.0 or p.tight_spot_closure * power >= 1.0:
         return 0.0
-    fall = p.tight_spot_excess * ending(p, power) / (1.0 - p.tight_spot_closure * power)
-    return -p.tight_spot_exponent * power / distance * fall
+    return -p.tight_spot_exponent * power / distance * (bump / (1.0 - p.tight_spot_closure * power))
 
 
 @compiled
@@ -566,7 +565,7 @@ def tangent_stiffness(p, side, position, pressure, time):
         distance = (position - p.tight_spot_position) / p.tight_spot_width
         bump = tight_spot_bump(p, distance)
         friction = sliding_friction(p, side, position, pressure, time)
-        stiffness += tight_spot_slope(p, distance) / p.tight_spot_width * side * friction / (1.0 + bump)
+        stiffness += tight_spot_slope(p, distance, bump) / p.tight_spot_width * side * friction / (1.0 + bump)
     return stiffness
 
 

@@ -244,10 +244,11 @@ def _creep(pressure, load, scale, substeps, step, start, keep_fine, stem):
             p = pressure[k, j] if wide else pressure[k, 0]
             force = load[k] + (load[k + 1] - load[k]) * (j / substeps)
             direction = 1 if speed > 0.0 else -1
-            level = friction_level(travel, p, scale[k], direction, stem) * weakening(speed, bond, stem)
+            weak = weakening(speed, bond, stem)
+            level = friction_level(travel, p, scale[k], direction, stem) * weak
             behind = level
             if stem.bristle_law == IWAN:
-                behind = friction_level(travel, p, scale[k], -direction, stem) * weakening(speed, bond, stem)
+                behind = friction_level(travel, p, scale[k], -direction, stem) * weak
             friction, viscous = _bristle_force(state, yields, speed, step, level, behind, stem)
             viscous += stem.viscous_up if direction > 0 else stem.viscous_down
             if stem.bond_distance > 0.0:
