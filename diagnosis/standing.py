@@ -130,8 +130,8 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
 
 
 def loses_phase(candidate: Candidate) -> bool:
-    """Return whether one of several effects of a cause lets a free run lose the phase of its slips."""
-    return len(candidate.effects) > 1 and any(effect_of_key(key).is_chaotic for key in candidate.effects)
+    """Return whether one of a cause's effects lets a free run lose the phase of its slips."""
+    return any(effect_of_key(key).is_chaotic for key in candidate.effects)
 
 
 def is_blunt(candidate: Candidate) -> bool:

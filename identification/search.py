@@ -38,6 +38,9 @@ error has many flat places."""
 END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 40, 1e-6, 1e-4
 """Points of a search that is followed to its end, and the precision there and while it only comes near."""
 
+MORE_EVALUATIONS, STILL_FALLING = 20, 0.98
+"""Points by which such a search goes on that was not at its end, as long as the error falls by that factor."""
+
 EVALUATIONS_IN_STEPS = 60
 """The same of readings in coarse steps: what is left beyond half a step falls with the cube of what is off."""
 
@@ -47,10 +50,11 @@ RENEWED_SERIES = 3
 
 @dataclass(frozen=True)
 class Found:
-    """Where a search ended: the scaled point and its error (half the sum of squared residuals)."""
+    """Where a search ended: scaled point, error (half the sum of squared residuals), and whether for want of points."""
 
     point: np.ndarray
     error: float
+    is_cut_short: bool = False
 
 
 class Slopes:
@@ -145,7 +149,7 @@ def descend(
         gtol=1e-12,
         x_scale="jac",
     )
-    return Found(result.x, float(result.cost))
+    return Found(result.x, float(result.cost), is_cut_short=result.status == 0)
 
 
 def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
@@ -160,7 +164,11 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     start : array, shape (unknowns,)
     """
     if not problem.is_in_steps:
-        return descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION)
+        found, before = descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION), math.inf
+        while found.is_cut_short and found.error < STILL_FALLING * before:
+            before = found.error
+            found = descend(problem, found.point, evaluations=MORE_EVALUATIONS, precision=END_PRECISION)
+        return found
     point, follow = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
     for within in NARROWER:
         point = follow(replace(problem, within=within), point, precision=NEAR_PRECISION).point

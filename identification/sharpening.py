@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -10,18 +10,30 @@ from threadpoolctl import threadpool_limits
 from identification.fit import Fit, finished
 from identification.problem import Problem
 from identification.search import Found, descend, errors, principal_directions, roam
+from valvemodel.effects import effect_of_key
 
-WIDEST = 0.3
-"""How far the search goes along a principal direction, in changes of the residual over the residual."""
+WIDTHS, GENERATIONS = (2.0, 1.0, 0.3), 40
+"""How far the rounds go in turn along a principal direction, in changes of the residual over the residual, and the
+generations of each; a round begins where the one before ended."""
 
-SIZE, GENERATIONS, ROUNDS = 4, 20, 6
-"""Points for each unknown, generations of a round, and rounds: each begins anew where the one before ended."""
 
-WIDER, GENERATIONS_IN_PHASE = (1.0, 0.5, 0.3), 40
-"""How far the rounds go where a free run loses the phase of its slips, and generations of each."""
+@dataclass(frozen=True)
+class Patience:
+    """How long a search goes on: points for each unknown, rounds, and rounds in a row that may be in vain."""
+
+    size: int
+    rounds: int
+    vain: int
+
+
+QUICK, SHORT = Patience(4, 9, 3), Patience(2, 6, 1)
+"""Where a slip has a closed form, and where a run takes long."""
+
+WIDTHS_IN_PHASE = (1.0, 0.5, 0.3)
+"""How far the rounds go where a free run loses the phase of its slips."""
 
 WORTH_A_ROUND = 0.95
-"""Share of the error to which a round must have come for another one."""
+"""Share of the error to which a round must have come not to be in vain."""
 
 
 @threadpool_limits.wrap(limits=1)
@@ -38,25 +50,27 @@ def sharpened(fit: Fit) -> Fit:
     def misfit(point: np.ndarray) -> float:
         return float(np.sqrt(np.prod([errors(each, point[None, :])[0] for each in yardsticks])))
 
-    best = fit.found.point
-    least = before = misfit(best)
-    for number in range(ROUNDS):
+    patience = SHORT if any(effect_of_key(key).is_chaotic for key in fit.model.effects) else QUICK
+    best, vain = fit.found.point, 0
+    least = misfit(best)
+    for number in range(patience.rounds):
+        before = least
         for each in yardsticks:
-            found = searched_about(each, best, number)
+            found = searched_about(each, best, number, WIDTHS[number % len(WIDTHS)], size=patience.size)
             reached = misfit(found.point)
             if reached < least:
                 best, least = found.point, reached
-        if least <= free.noise_error or least > WORTH_A_ROUND * before:
+        vain = 0 if least < WORTH_A_ROUND * before else vain + 1
+        if least <= free.noise_error or vain == patience.vain:
             break
-        before = least
     return finished(free, Found(best, float(errors(free, best[None, :])[0])))
 
 
 def sharpened_in_phase(fit: Fit) -> Fit:
     """Return the best of searches about a fit by the re-anchored run, each nearer than the one before."""
     best = fit.found
-    for number, widest in enumerate(WIDER):
-        found = searched_about(fit.problem, best.point, number, widest=widest, generations=GENERATIONS_IN_PHASE)
+    for number, widest in enumerate(WIDTHS_IN_PHASE):
+        found = searched_about(fit.problem, best.point, number, widest)
         best = min(best, found, key=lambda each: each.error)
         if best.error <= fit.problem.noise_error:
             break
@@ -64,7 +78,12 @@ def sharpened_in_phase(fit: Fit) -> Fit:
 
 
 def searched_about(
-    problem: Problem, centre: np.ndarray, seed: int, *, widest: float = WIDEST, generations: int = GENERATIONS
+    problem: Problem,
+    centre: np.ndarray,
+    seed: int,
+    widest: float,
+    *,
+    size: int = QUICK.size,
 ) -> Found:
     """Search about a scaled point, along the principal directions of the residuals, with a seed."""
     error = float(errors(problem, centre[None, :])[0])
@@ -75,8 +94,8 @@ def searched_about(
         centre,
         shape,
         [(-widest, widest)] * count,
-        size=SIZE,
-        generations=generations,
+        size=size,
+        generations=GENERATIONS,
         enough=problem.noise_error,
         seed=seed,
         start=np.zeros(count),

@@ -1,9 +1,10 @@
-"""Searches about a fit that is judged by the re-anchored run go from afar to near, and end no worse than they began."""
+"""Searches about a fit go from afar to near, end no worse than they began, and lead out of a side minimum."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from blind_fits import fits_to_plant
 
 from identification import sharpening
 from identification.search import Found
@@ -16,7 +17,7 @@ from identification.search import Found
 def test_each_round_begins_where_the_best_was_found_and_looks_nearer(monkeypatch, errors, rounds, expected):
     asked = []
 
-    def searched(problem, centre, seed, *, widest, generations):
+    def searched(problem, centre, seed, widest):
         asked.append((float(centre[0]), widest))
         return Found(np.array([errors[seed]]), errors[seed])
 
@@ -31,3 +32,32 @@ def test_each_round_begins_where_the_best_was_found_and_looks_nearer(monkeypatch
     assert len(asked) == rounds
     assert list(widths) == sorted(widths, reverse=True)
     assert list(starts) == [min([10.0, *errors[:number]]) for number in range(rounds)]
+
+
+def test_a_search_from_afar_leads_out_of_a_side_minimum(tmp_path):
+    _, _, found = fits_to_plant(30062, "static_friction", tmp_path, nuisance=True)
+    noise = found.problem.noise_error
+    assert found.found.error > 5.0 * noise
+    assert sharpening.sharpened(found).found.error < 1.02 * noise
+
+
+@pytest.mark.parametrize(("law", "rounds"), [("static_friction", 5), ("stribeck", 3)])
+def test_rounds_in_vain_end_the_search_sooner_where_a_run_takes_long(monkeypatch, law, rounds):
+    gained = [10.0, 4.0, 4.0, 4.0, 4.0]
+    asked = []
+
+    def searched(problem, centre, seed, widest, *, size):
+        asked.append((seed, widest, size))
+        return Found(np.array([gained[seed]]), gained[seed])
+
+    monkeypatch.setattr(sharpening, "searched_about", searched)
+    monkeypatch.setattr(sharpening, "errors", lambda problem, points: points[:, 0])
+    monkeypatch.setattr(sharpening, "finished", lambda problem, found: found)
+    monkeypatch.setattr(sharpening, "replace", lambda problem, **_: problem)
+    fit = SimpleNamespace(
+        problem=SimpleNamespace(is_anchored=False, noise_error=1.0),
+        found=Found(np.array([20.0]), 20.0),
+        model=SimpleNamespace(effects=[law]),
+    )
+    assert sharpening.sharpened(fit).error == 4.0
+    assert len(asked) == 2 * rounds
