@@ -35,6 +35,12 @@ UNKNOWN_NOTICE, UNKNOWN_FORM, SUPPORT_UNKNOWN = 0.7, 0.033, -0.7
 """What an effect outside the library would leave, as a squared error beyond the noise and as a share of the base's:
 a cause that leaves less is believed before an unknown one; and the log prior of that."""
 
+NOTHING_LEFT, ALMOST_NOTHING = 1.5, 0.1
+"""Log-likelihood that an unknown cause loses where a known one leaves nothing beyond the noise, and the squared error
+from which it loses none. Of 149 blind valves of our own whose effect was left out none that was called unknown had a
+cause within 6 % of the noise, and what imitated it in others left a tenth; of those with their effects among the
+candidates ten were given an unknown one of 0.15 to 0.6 there, though what was named left nothing."""
+
 SUREST_UNKNOWN = 0.85
 """Most that an unknown cause is given: a search may have missed the best fit, a known effect may follow another law.
 Of 37 blind valves of our own that were called unknown, 30 were, of the last 15 of them 13."""
@@ -147,6 +153,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     least = min([best, *ends], key=lambda number: before[number])
     expected = (UNKNOWN_NOTICE + unknown_form * full[least]) / (NOTICE + form[best] * full[least] + before[least])
     unknown = SUPPORT_UNKNOWN - sharpness * math.log(expected)
+    unknown -= NOTHING_LEFT * max(1.0 - left[least] / ALMOST_NOTHING, 0.0)
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
     return Judgement((1.0 - share) * np.exp(support - named), share, evidence, lost)

@@ -12,6 +12,8 @@ from multiprocessing import get_context
 from multiprocessing.sharedctypes import Synchronized
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 MOST = 8
 """Cores that are used where nothing else is said."""
 
@@ -55,12 +57,21 @@ def _work(do: Callable[..., Any], *given: Any, **named: Any) -> Any:
 def workers(jobs: int | None = None) -> Iterator[Executor | None]:
     """Open processes that share the compiled simulator; None where there is only one core.
 
-    Meanwhile `in_parts` spreads its work over the cores on which none of them is at work.
+    Meanwhile `in_parts` spreads its work over the cores on which none of them is at work, and linear algebra takes one:
+    its threads wait for each other longer than small matrices take, where the cores are busy.
     """
     jobs = jobs or min(os.cpu_count() or 1, MOST)
-    if jobs == 1:
-        yield None
-        return
+    with threadpool_limits(1):
+        if jobs == 1:
+            yield None
+        else:
+            with _forked(jobs) as pool:
+                yield pool
+
+
+@contextmanager
+def _forked(jobs: int) -> Iterator[Executor]:
+    """Open processes, forked from this one."""
     # A fork server takes 1 to 2.5 s to import the simulator. A fork beside the idle threads of polars, which read the
     # records, is safe as long as no work in here reads or writes tables: the children never call polars.
     context = get_context("fork")

@@ -76,6 +76,14 @@ def test_an_unknown_cause_is_credited_with_no_more_than_a_known_one_that_leaves_
     assert judge([base, short, known]).unknown < 0.2
 
 
+def test_what_leaves_nothing_of_a_small_gap_is_believed_before_an_unknown_cause(monkeypatch):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    effects = ("magnetic_saturation", "sensor_drift")
+    known, near = (replace(candidate(left, *effects), freedom=5) for left in (1.0, 1.1))
+    assert judge([candidate(2.5), known]).unknown < 0.25
+    assert judge([candidate(2.5), near]).unknown > 0.5
+
+
 def test_what_explains_the_gap_needs_no_stops(monkeypatch):
     """Friction below notice lets the stem rest on its way as well."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: True)
