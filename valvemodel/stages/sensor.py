@@ -134,12 +134,12 @@ EFFECTS = (
             "the stem, a and c such that h and s are its third order"
         ),
         parameters=(
-            Parameter("linkage_bow", "m", "h: bow in the middle of the travel", -0.05, 0.05, 0.0, (3e-3, -3e-3)),
+            Parameter("linkage_bow", "m", "h: bow in the middle of the travel", -0.15, 0.15, 0.0, (3e-3, -3e-3)),
             Parameter(
                 "linkage_skew",
                 "m",
                 "s: swing between the halves of the travel",
-                -0.02,
+                -0.06,
                 0.02,
                 0.0,
                 (1e-3, -1e-3),
