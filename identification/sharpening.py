@@ -53,10 +53,12 @@ def sharpened(fit: Fit) -> Fit:
     patience = SHORT if any(effect_of_key(key).is_chaotic for key in fit.model.effects) else QUICK
     best, vain = fit.found.point, 0
     least = misfit(best)
+    # What is at the noise, as settled loops may be from the start, lies near.
+    widths = WIDTHS if least > free.noise_error else WIDTHS[-1:]
     for number in range(patience.rounds):
         before = least
         for each in yardsticks:
-            found = searched_about(each, best, number, WIDTHS[number % len(WIDTHS)], size=patience.size)
+            found = searched_about(each, best, number, widths[number % len(widths)], size=patience.size)
             reached = misfit(found.point)
             if reached < least:
                 best, least = found.point, reached
@@ -77,14 +79,7 @@ def sharpened_in_phase(fit: Fit) -> Fit:
     return finished(fit.problem, min(best, descend(fit.problem, best.point), key=lambda each: each.error))
 
 
-def searched_about(
-    problem: Problem,
-    centre: np.ndarray,
-    seed: int,
-    widest: float,
-    *,
-    size: int = QUICK.size,
-) -> Found:
+def searched_about(problem: Problem, centre: np.ndarray, seed: int, widest: float, *, size: int = QUICK.size) -> Found:
     """Search about a scaled point, along the principal directions of the residuals, with a seed."""
     error = float(errors(problem, centre[None, :])[0])
     shape = np.clip(principal_directions(problem.jacobian(centre), error), -1.0, 1.0)
