@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
@@ -153,7 +152,6 @@ def in_means(errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.add.reduceat(np.where(known, errors, 0.0), starts, axis=1) / counts, counts
 
 
-@threadpool_limits.wrap(limits=1)
 def smallest_correction(stretch: Experiment, base: Fit, start: float, place: str) -> Correction:
     """Find the smallest and smoothest correction at a place that brings a record down to its noise, and not further.
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from diagnosis.explaining import misfit
 from diagnosis.standing import of_many_numbers
@@ -115,14 +114,12 @@ def in_order(effects: Sequence[str], alone: Mapping[str, Candidate]) -> tuple[st
     return tuple(sorted(effects, key=lambda key: misfit(alone[key])))
 
 
-@threadpool_limits.wrap(limits=1)
 def looked(start: Start, points: int) -> Found:
     """Follow a start some way down."""
     problem, point = start
     return descend(problem, point, evaluations=points, precision=1e-3, renewed=RENEWED)
 
 
-@threadpool_limits.wrap(limits=1)
 def followed_to_end(start: Start, holdout: Holdout) -> Candidate:
     """Follow a start down to the end, with what its effects free of the base valve, and score what comes out."""
     problem, point = released(*start)

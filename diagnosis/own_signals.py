@@ -13,7 +13,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from diagnosis.corrections import closed_of, held, in_means, run_with_pressures
 from diagnosis.stage_functions import functions_of
@@ -206,7 +205,6 @@ def explained_by_stages(
     return sorted(found, key=lambda each: each.left)
 
 
-@threadpool_limits.wrap(limits=1)
 def explained_by(experiment: Experiment, base: Fit, start: float, stage: str) -> Explained:
     """Return what one stage explains by its own signals, beside the base valve as it is fitted or without its lags.
 

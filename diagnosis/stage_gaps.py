@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from identification.experiment import Experiment
 from identification.fit import Fit, finished, measured, simulate_model
@@ -79,7 +78,6 @@ def rms(parts: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(np.nanmean(np.concatenate(parts) ** 2)))
 
 
-@threadpool_limits.wrap(limits=1)
 def stage_gaps(experiments: Sequence[Experiment], base: Fit) -> StageGaps:
     """Drive each half of the chain by its measured input and compare its output.
 

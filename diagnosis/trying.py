@@ -107,26 +107,23 @@ class Work:
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
     """Extend a fit by the last of a cause's effects and score it."""
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1):
-        key = work.effects[-1]
-        if work.is_known and work.known is not None:
-            extended = extend_from(work.fit, key, work.known)
-        else:
-            extended = extend(
-                work.fit,
-                key,
-                work.known,
-                kin=work.kin,
-                is_global=work.is_global,
-                worth=work.worth,
-                promise=work.promise,
-                slips=work.slips,
-                follows_all=work.follows_all,
-                is_thorough=work.is_thorough,
-            )
-        return scored(work.effects, extended, holdout)
+    key = work.effects[-1]
+    if work.is_known and work.known is not None:
+        extended = extend_from(work.fit, key, work.known)
+    else:
+        extended = extend(
+            work.fit,
+            key,
+            work.known,
+            kin=work.kin,
+            is_global=work.is_global,
+            worth=work.worth,
+            promise=work.promise,
+            slips=work.slips,
+            follows_all=work.follows_all,
+            is_thorough=work.is_thorough,
+        )
+    return scored(work.effects, extended, holdout)
 
 
 def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:
@@ -272,10 +269,7 @@ def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | Non
 
 def promise_of(fit: Fit, key: str, known: dict[str, float]) -> float:
     """Return what the best start of an effect promises on what a fit leaves."""
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(1):
-        return screened(fit, effect_of_key(key), known)[0].gain
+    return screened(fit, effect_of_key(key), known)[0].gain
 
 
 def sharpen_all(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
@@ -61,12 +61,8 @@ def workers(jobs: int | None = None) -> Iterator[Executor | None]:
     its threads wait for each other longer than small matrices take, where the cores are busy.
     """
     jobs = jobs or min(os.cpu_count() or 1, MOST)
-    with threadpool_limits(1):
-        if jobs == 1:
-            yield None
-        else:
-            with _forked(jobs) as pool:
-                yield pool
+    with threadpool_limits(1), nullcontext() if jobs == 1 else _forked(jobs) as pool:
+        yield pool
 
 
 @contextmanager
