@@ -311,7 +311,7 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
             cause, values = frozenset((key, kept)), dict(best.fit.model.effects[kept])
             if are_aliases(left, key) and lies_behind(known.get(cause, math.inf), misfit(best)):
                 work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
-    return list(work.values())
+    return worthwhile(list(work.values()), tried)
 
 
 def lies_behind(left: float, least: float) -> bool:

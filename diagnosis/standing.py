@@ -65,15 +65,20 @@ def unlike(causes: Sequence[Candidate]) -> list[Candidate]:
     return kept
 
 
+def is_near_noise(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause is as near the noise as the right one in another form can be expected to come."""
+    return misfit(candidate) <= AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
+
+
 def is_settled(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether a cause is as near the noise as the right one in another form can be expected to come.
+    """Return whether a cause is as near the noise as the right one, and is none that may come there in its place.
 
     Only what is alike can come as near. A whole series of waves, or an effect of many numbers, may come there in the
     place of something else.
     """
-    within = AT_NOISE + SETTLED_SHARE**2 * (misfit(base) - 1.0)
     numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate.fit.model).values()]
-    return misfit(candidate) <= within and not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
+    is_plain = not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
+    return is_plain and is_near_noise(candidate, base)
 
 
 def stands_in(candidate: Candidate) -> bool:
@@ -107,6 +112,13 @@ def is_quick(key: str) -> bool:
     """Return whether a search for an effect beside another takes no global search and no long runs."""
     effect = effect_of_key(key)
     return not effect.is_jagged and not effect.takes_long
+
+
+def is_dear(key: str) -> bool:
+    """Return whether a run with an effect takes several times as long as one without: the pressure moves in between
+    the samples, or bristles do."""
+    effect = effect_of_key(key)
+    return effect.takes_long or (effect.acts_in_time and effect.stage in ("electromagnet", "nozzle"))
 
 
 def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPLAINS_MUCH) -> bool:

@@ -13,7 +13,7 @@ from itertools import repeat
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import extend, extend_from
+from identification.extension import ended, extend, extend_from, glanced
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
@@ -29,7 +29,7 @@ from valvemodel.model import Model
 SERIES = 2
 """Free parameters that a series of like numbers counts as."""
 
-AT_ONCE = 3
+AT_ONCE = 4
 """Extensions of which none waits for what came out of another: so many that two cores always have work."""
 
 Progress = Callable[[str, float], None]
@@ -90,6 +90,8 @@ class Work:
         Whether every start is followed by itself.
     is_thorough : bool
         Whether a global search takes its time, whatever a run takes.
+    begun : Fit or None
+        The fit with the effect, as far as a glance at it went; it is followed from there alone.
     """
 
     fit: Fit
@@ -103,13 +105,16 @@ class Work:
     slips: list[SlipSearch] | None = None
     follows_all: bool = False
     is_thorough: bool = False
+    begun: Fit | None = None
 
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
     """Extend a fit by the last of a cause's effects and score it."""
     key = work.effects[-1]
-    if work.is_known and work.known is not None:
-        extended = extend_from(work.fit, key, work.known)
+    if work.begun is not None:
+        extended = ended(work.begun) if work.begun.found.error < work.worth else work.begun
+    elif work.is_known and work.known is not None:
+        extended = extend_from(work.fit, key, work.known, worth=work.worth)
     else:
         extended = extend(
             work.fit,
@@ -247,6 +252,30 @@ def try_in_turn(
         else:
             jobs.append(pool.submit(try_effect, now, holdout))
     return [*done, *(job.result() for job in jobs)]
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What a glance at an effect shows: the fit with it a few points down, and the share of the error that it takes in.
+
+    The share is that which slopes promise where that is more.
+    """
+
+    fit: Fit
+    share: float
+
+
+def glances(fit: Fit, keys: Sequence[str], pool: Executor | None) -> dict[str, Glance]:
+    """Return what a glance at each of some effects on top of a fit shows, on all cores where there is a pool."""
+    # Taken here, not once in each process.
+    _ = fit.own_slopes
+    return dict(zip(keys, (pool.map if pool else map)(partial(glance_at, fit), keys), strict=True))
+
+
+def glance_at(fit: Fit, key: str) -> Glance:
+    """Glance at an effect on top of a fit."""
+    promised, seen = glanced(fit, key)
+    return Glance(seen, max(promised, 1.0 - seen.found.error / fit.found.error))
 
 
 def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | None) -> dict[str, float]:

@@ -58,6 +58,9 @@ PROMISING = 0.9
 WORTH_POLISHING = 1e-3
 """Share of the error that a search must have gained to be followed to its end."""
 
+GLANCE = 5
+"""Points of a search that only shows which effects are worth it."""
+
 FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED, FIRST_LOOK_AT_LAWS = 6, 8, 5, 25
 """Points of a search while starts are compared, where the error has more minima, where each has its own slopes, and
 where laws of stick-slip are compared beside another effect."""
@@ -196,6 +199,44 @@ def extended(
     return finished(*min(ended, key=lambda pair: pair[1].error))
 
 
+@threadpool_limits.wrap(limits=1)
+def glanced(fit: Fit, key: str, known: dict[str, float] | None = None) -> tuple[float, Fit]:
+    """Add an effect to a fit and follow its most promising start a few points down.
+
+    Parameters
+    ----------
+    fit, key, known
+        As `extend` takes them.
+
+    Returns
+    -------
+    float
+        Share of the fit's error that the start promises to explain by slopes.
+    Fit
+        No worse than the fit without. Where that leaves little slopes tell all, and it is at a value that changes
+        nothing.
+    """
+    effect = effect_of_key(key)
+    trials = screened(fit, effect, known)
+    share = 0.5 * trials[0].gain / fit.found.error
+    if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
+        return share, finished(*at_neutral(fit, effect))
+    plain = first_plain(fit, trials)
+    starts = [(plain.problem, plain.point)]
+    starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
+    if makes_pressure(effect):
+        starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
+    problem, best = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
+    is_nearer = best.error < fit.found.error
+    return share, finished(*((problem, best) if is_nearer else near_neutral(fit, effect, trials, evaluations=GLANCE)))
+
+
+@threadpool_limits.wrap(limits=1)
+def ended(fit: Fit) -> Fit:
+    """Follow a fit that was begun down to its end."""
+    return finished(*released_at_end(fit.problem, fit.found.point))
+
+
 def beside_steps(
     fit: Fit, effect: Effect, known: dict[str, float] | None, *, is_global: bool, promise: float, follows_all: bool
 ) -> Fit:
@@ -221,8 +262,11 @@ def released_at_end(problem: Problem, point: np.ndarray) -> tuple[Problem, Found
 
 
 @threadpool_limits.wrap(limits=1)
-def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
-    """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]"""
+def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = math.inf) -> Fit:
+    """Add an effect to a fit and fit all unknowns anew, from its values in another fit alone. [SI]
+
+    A search that comes to no less than an error that it is `worth` does not go on to its end.
+    """
     effect = effect_of_key(key)
     if effect.is_read_off:
         # A fit that took the steps for noise may have led astray what it freed.
@@ -230,7 +274,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float]) -> Fit:
         return finished(*released_at_end(problem, point))
     start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
     problem, best = followed(fit, effect, [start])
-    return finished(*released_at_end(problem, best.point))
+    return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -380,20 +424,26 @@ def best_descended(
     renewed: tuple[int, int] = RENEWED,
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
-    begun = [
-        (problem, descend(problem, point, evaluations=first, precision=1e-3, renewed=renewed[0]))
-        for problem, point in starts
-    ]
-    problem, best = min(begun, key=lambda pair: pair[1].error)
+    problem, best = nearest_descended(starts, evaluations=first, renewed=renewed[0])
     return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed[1])
 
 
-def near_neutral(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
+def nearest_descended(
+    starts: list[tuple[Problem, np.ndarray]], *, evaluations: int, renewed: int
+) -> tuple[Problem, Found]:
+    """Follow all starts down for a few evaluations and return where the best of them came."""
+    begun = [
+        (problem, descend(problem, point, evaluations=evaluations, precision=1e-3, renewed=renewed))
+        for problem, point in starts
+    ]
+    return min(begun, key=lambda pair: pair[1].error)
+
+
+def near_neutral(fit: Fit, effect: Effect, trials: list[Trial], *, evaluations: int = 10) -> tuple[Problem, Found]:
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
-    plain = next(trial for trial in trials if not adds_series(fit, trial))
-    small = resized(effect, plain.problem.model.effects[effect.key], SHRUNK)
+    small = resized(effect, first_plain(fit, trials).problem.model.effects[effect.key], SHRUNK)
     problem, point = joined(fit.problem, fit.found.point, effect, small)
-    best = descend(problem, point, evaluations=10, precision=1e-4)
+    best = descend(problem, point, evaluations=evaluations, precision=1e-4)
     return (problem, best) if best.error <= fit.found.error else at_neutral(fit, effect)
 
 
@@ -421,6 +471,11 @@ def promising(fit: Fit, groups: list[list[Trial]]) -> list[list[Trial]]:
     """Return groups of trials without those of a whole series that promise little more than the rest."""
     plain = max(group[0].gain for group in groups if not adds_series(fit, group[0]))
     return [group for group in groups if not adds_series(fit, group[0]) or group[0].gain > SERIES_GAIN * plain]
+
+
+def first_plain(fit: Fit, trials: list[Trial]) -> Trial:
+    """Return the first trial that adds no whole series to a fit."""
+    return next(trial for trial in trials if not adds_series(fit, trial))
 
 
 def adds_series(fit: Fit, trial: Trial) -> bool:

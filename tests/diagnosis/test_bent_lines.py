@@ -286,17 +286,18 @@ def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
 
 
 @pytest.mark.parametrize(
-    ("has_stops", "alone_by", "is_looked_for"), [(False, 0.95, 0), (False, 0.85, 1), (True, 1.0, 1)]
+    ("has_stops", "alone_by", "other", "is_looked_for"),
+    [(False, 0.95, 20.0, 0), (False, 0.85, 20.0, 1), (False, 0.85, 6.0, 0), (True, 1.0, 20.0, 1), (True, 1.0, 6.0, 1)],
 )
 def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
-    monkeypatch, has_stops, alone_by, is_looked_for
+    monkeypatch, has_stops, alone_by, other, is_looked_for
 ):
     looked = []
     monkeypatch.setattr(slips, "stops_seen", lambda fit: has_stops)
     monkeypatch.setattr(slips, "straight_line", lambda *given: looked.append(given))
     base = named(40.0)
     base = replace(base, fit=SimpleNamespace(problem=SimpleNamespace(experiments=[SimpleNamespace(has_stairs=False)])))
-    alone = [base, named(alone_by * 40.0, "static_friction"), named(20.0, "supply_droop")]
+    alone = [base, named(alone_by * 40.0, "static_friction"), named(other, "supply_droop")]
     assert slips.beside_slips(alone, None, None, lambda *what: None) == []
     assert len(looked) == is_looked_for
 

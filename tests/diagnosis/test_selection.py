@@ -12,7 +12,7 @@ from diagnosis import proposals, selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
 from diagnosis.standing import SETTLED_SHARE, blunt, is_settled, is_worth_its_time, values_alone, with_better
-from diagnosis.trying import Candidate, Work
+from diagnosis.trying import Candidate, Glance, Work
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
 
@@ -22,6 +22,10 @@ def candidate(misfit: float, *effects: str) -> Candidate:
     problem = SimpleNamespace(is_anchored="stribeck" in effects, is_in_steps="quantisation" in effects)
     fit = SimpleNamespace(name="+".join(effects), model=model, found=found, problem=problem)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
+
+
+def glance(fit: object, error: float, share: float = 0.0) -> Glance:
+    return Glance(SimpleNamespace(found=SimpleNamespace(error=error), beside=fit), share)
 
 
 def waves(misfit: float, *effects: str) -> Candidate:
@@ -473,59 +477,83 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
 
     asked: list[list[str]] = []
     monkeypatch.setattr(singles, "try_all", try_all)
-    monkeypatch.setattr(singles, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: glance(fit, 2000.0) for key in keys})
     monkeypatch.setattr(singles, "try_in_turn", lambda work, _, *others: try_all(work, *others))
     monkeypatch.setattr(singles, "stops_seen", lambda fit: True)
     found, problem = SimpleNamespace(error=2000.0), SimpleNamespace(noise_error=100.0)
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
     library = [effect_of_key(key) for key in keys]
-    singles.try_alone(base, None, library, None, None)
+    singles.try_alone(base, None, library, None, lambda what, share: None)
     assert [key for round_of in asked for key in round_of] == ["coil_lag", "presliding", "static_friction", "stribeck"]
     asked.clear()
-    singles.try_alone(base, None, [effect_of_key(key) for key in keys if key != "static_friction"], None, None)
+    others = [effect_of_key(key) for key in keys if key != "static_friction"]
+    singles.try_alone(base, None, others, None, lambda what, share: None)
     assert ["stribeck"] in asked
 
 
 @pytest.mark.parametrize("pool", [None, ThreadPoolExecutor(2)])
-def test_the_most_promising_effects_are_tried_first_and_the_others_as_far_as_they_are_called_for(monkeypatch, pool):
-    """What settles a record leaves the rest to promise something, but for its aliases."""
+def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it_is_called_for(monkeypatch, pool):
+    """What comes to the noise leaves the rest to show something at a glance, but for its aliases."""
 
     def try_effect(work, _):
-        asked[work.effects[0]] = (work.promise, work.worth)
+        asked[work.effects[0]] = (work.begun, work.worth)
         return candidate(1.0 if work.effects == ("coil_lag",) else 30.0, *work.effects)
 
     order = [
         "coil_lag",
-        "gap_drift",
+        "friction_drift",
         "supply_droop",
-        "load_force",
+        "presliding",
+        "spring_hardening",
         "end_stop",
         "air_leak",
         "sensor_lag",
         "sensor_drift",
     ]
-    asked: dict[str, tuple[float, float]] = {}
-    monkeypatch.setattr(trying, "try_effect", try_effect)
-    monkeypatch.setattr(singles, "promises", lambda *_: {key: float(-place) for place, key in enumerate(order)})
     base = candidate(40.0)
+    shares = {"coil_lag": 0.9, "supply_droop": singles.LEAST_SHARE_DEAR, "spring_hardening": singles.LEAST_SHARE}
+    seen = {key: glance(base.fit, 2000.0 + place, shares.get(key, 0.0)) for place, key in enumerate(order)}
+    asked: dict[str, tuple[object, float]] = {}
+    monkeypatch.setattr(trying, "try_effect", try_effect)
+    monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: seen[key] for key in keys})
     base.fit.problem.noise_error = 100.0
-    tried = singles.try_by_promise(base, None, order[::-1], pool, lambda what, share: None)
-    assert [each.effects for each in tried] == [(), *((key,) for key in order)]
+    tried = singles.try_by_promise(base, None, ["load_force", *order[::-1]], pool, lambda what, share: None)
+    assert [each.effects for each in tried] == [(), *((key,) for key in [*order, "load_force"])]
     assert are_aliases("coil_lag", "sensor_lag")
     assert not are_aliases("coil_lag", "sensor_drift")
-    worth = proposals.FAR_BEHIND * 100.0
-    expected = dict.fromkeys(order[: trying.AT_ONCE], (0.0, math.inf))
-    for key in order[trying.AT_ONCE :]:
-        expected[key] = (0.0 if are_aliases("coil_lag", key) else singles.LEAST_PROMISE, worth)
+    followed = (None, proposals.FAR_BEHIND * 100.0)
+    expected = dict.fromkeys(order[: trying.AT_ONCE], (None, math.inf))
+    expected |= {key: (seen[key].fit, 0.0) for key in order[trying.AT_ONCE :]}
+    expected |= dict.fromkeys(["spring_hardening", "sensor_lag", "load_force"], followed)
+    # Its runs are dear, and it shows nothing, whatever comes to the noise.
+    expected["presliding"] = (seen["presliding"].fit, 0.0)
     assert asked == expected
+
+
+def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkeypatch):
+    base, seen = candidate(40.0), {"coil_lag": glance(candidate(1.04).fit, 104.0), "sensor_lag": glance(None, 106.0)}
+    base.fit.problem.noise_error = 100.0
+    work = {key: singles.called_for(base, seen, Work(base.fit, (key,), False), []) for key in seen}
+    assert (work["coil_lag"].begun, work["coil_lag"].worth) == (seen["coil_lag"].fit, math.inf)
+    assert work["sensor_lag"].begun is None
+
+
+@pytest.mark.parametrize(("worth", "is_followed"), [(105.0, True), (100.0, False)])
+def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, worth, is_followed):
+    begun, followed = candidate(1.0, "coil_lag").fit, candidate(0.9, "coil_lag").fit
+    monkeypatch.setattr(trying, "ended", lambda fit: followed if fit is begun else None)
+    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: fit)
+    work = Work(candidate(40.0).fit, ("coil_lag",), False, begun=begun, worth=worth)
+    assert trying.try_effect(work, None) is (followed if is_followed else begun)
 
 
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
     base = candidate(1.08)
     base.fit.problem.noise_error = 100.0
-    work = singles.called_for(base, Work(base.fit, ("coil_lag",), False), [])
-    assert (work.promise, work.worth) == (singles.PROMISE_AT_NOISE, math.inf)
+    seen = {"coil_lag": glance(base.fit, 104.0)}
+    work = singles.called_for(base, seen, Work(base.fit, ("coil_lag",), False), [])
+    assert (work.promise, work.worth, work.begun) == (singles.PROMISE_AT_NOISE, math.inf, None)
 
 
 @pytest.mark.parametrize("is_another", [True, False])
