@@ -115,8 +115,7 @@ def is_quick(key: str) -> bool:
 
 
 def is_dear(key: str) -> bool:
-    """Return whether a run with an effect takes several times as long as one without: the pressure moves in between
-    the samples, or bristles do."""
+    """Return whether runs with an effect are dear: the pressure moves between the samples, or bristles do."""
     effect = effect_of_key(key)
     return effect.takes_long or (effect.acts_in_time and effect.stage in ("electromagnet", "nozzle"))
 

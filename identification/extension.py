@@ -200,13 +200,8 @@ def extended(
 
 
 @threadpool_limits.wrap(limits=1)
-def glanced(fit: Fit, key: str, known: dict[str, float] | None = None) -> tuple[float, Fit]:
+def glanced(fit: Fit, key: str) -> tuple[float, Fit]:
     """Add an effect to a fit and follow its most promising start a few points down.
-
-    Parameters
-    ----------
-    fit, key, known
-        As `extend` takes them.
 
     Returns
     -------
@@ -217,7 +212,7 @@ def glanced(fit: Fit, key: str, known: dict[str, float] | None = None) -> tuple[
         nothing.
     """
     effect = effect_of_key(key)
-    trials = screened(fit, effect, known)
+    trials = screened(fit, effect)
     share = 0.5 * trials[0].gain / fit.found.error
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
         return share, finished(*at_neutral(fit, effect))

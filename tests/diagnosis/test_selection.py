@@ -11,7 +11,16 @@ from diagnosis import alone as singles
 from diagnosis import proposals, selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
-from diagnosis.standing import SETTLED_SHARE, blunt, is_settled, is_worth_its_time, values_alone, with_better
+from diagnosis.standing import (
+    SETTLED_SHARE,
+    blunt,
+    is_dear,
+    is_near_noise,
+    is_settled,
+    is_worth_its_time,
+    values_alone,
+    with_better,
+)
 from diagnosis.trying import Candidate, Glance, Work
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
@@ -359,6 +368,13 @@ def test_a_cause_is_settled_at_the_noise_or_as_near_as_another_form_of_it_comes(
     assert not is_settled(waves(1.0, "coil_lag", "load_force"), far)
     assert not is_settled(candidate(1.0, "coil_lag", "position_dependent_friction"), far)
     assert is_settled(candidate(1.0), far)
+    assert all(is_near_noise(each, far) for each in (waves(1.0, "load_force"), candidate(1.0, "magnetic_saturation")))
+
+
+@pytest.mark.parametrize(("key", "expected"), [("presliding", True), ("chamber_filling", True), ("coil_lag", True),
+                                               ("sensor_lag", False), ("choked_flow", False)])  # fmt: skip
+def test_runs_are_dear_where_the_pressure_moves_between_samples_or_bristles_do(key, expected):
+    assert is_dear(key) == expected
 
 
 def test_beside_a_settled_pair_only_its_own_aliases_are_looked_for():
@@ -390,6 +406,8 @@ def test_effects_of_the_best_pair_are_exchanged_for_their_aliases():
     assert all(each.fit.name == each.effects[0] for each in work)
     assert causes[frozenset(("choked_flow", "sensor_lag"))].effects == ("choked_flow", "sensor_lag")
     assert all(each.known == {"size": 2.0} and each.is_known for each in work)
+    # One that comes nowhere near the pair is not followed to its end.
+    assert all(each.worth == pytest.approx(min(NO_GAIN * 900.0, FAR_BEHIND * 200.0)) for each in work)
 
 
 @pytest.mark.parametrize(("behind", "count"), [(2.9, 0), (3.1, 1)])

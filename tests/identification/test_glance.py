@@ -3,6 +3,7 @@
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
+from identification import extension
 from identification.extension import GLANCE, ended, extend, glanced
 from identification.search import descend
 
@@ -51,3 +52,16 @@ def test_a_glance_takes_few_points(tmp_path, monkeypatch):
     glanced(base, "sensor_lag")
     assert asked == [GLANCE] * len(asked)
     assert 1 <= len(asked) <= 2
+
+
+def test_what_comes_to_more_than_it_is_worth_is_not_followed_to_its_end(tmp_path, monkeypatch):
+    _, base, found = fits_to_plant(9302, "sensor_lag", tmp_path)
+    followed = []
+    whole = extension.released_at_end
+    monkeypatch.setattr(extension, "released_at_end", lambda *given: followed.append(given) or whole(*given))
+    values = dict(found.model.effects["sensor_lag"])
+    near = extension.extend_from(base, "sensor_lag", values, worth=0.9 * found.found.error)
+    assert not followed
+    ended_there = extension.extend_from(base, "sensor_lag", values, worth=2.0 * found.found.error)
+    assert len(followed) == 1
+    assert ended_there.found.error <= near.found.error < base.found.error
