@@ -11,11 +11,17 @@ KEPT_VARIANCE = 0.21530
 """Mean square of the smaller 60 % of a standard normal variable: 1 - 2 q phi(q)/0.6 with q = 0.84162."""
 
 
+FLICKERING = 0.5642
+"""Share of readings in steps that stand alone between two alike, over noise by step: 1 / sqrt(pi) for places that lie
+anywhere between two steps, of noise that is small beside them."""
+
+
 def noise_level(signal: np.ndarray) -> float:
     """Estimate the standard deviation of white noise on a signal that mostly moves slowly.
 
     Third differences take out offset, slope and curvature; the smaller part of them ignores the jumps. A signal that
-    shows no noise between its steps has at least a twentieth of a step.
+    shows no noise between its steps has at least a twentieth of a step, and no less than what makes it flicker between
+    two of them.
 
     Parameters
     ----------
@@ -33,7 +39,14 @@ def noise_level(signal: np.ndarray) -> float:
     squares = np.sort(np.diff(signal, n=3) ** 2)
     kept = squares[: max(int(KEPT_SHARE * len(squares)), 1)]
     level = float(np.sqrt(np.mean(kept) / (KEPT_VARIANCE * 20.0)))
-    return max(level, 0.05 * reading_step(signal), 1e-9)
+    step = reading_step(signal)
+    return max(level, 0.05 * step, step * flickering(signal) / FLICKERING, 1e-9)
+
+
+def flickering(signal: np.ndarray) -> float:
+    """Return the share of readings that differ from both neighbours where these are alike."""
+    before, here, after = signal[:-2], signal[1:-1], signal[2:]
+    return float(np.mean((before == after) & (here != before)))
 
 
 def reading_step(signal: np.ndarray) -> float:

@@ -51,6 +51,15 @@ def test_noise_is_read_off_the_record() -> None:
     assert noise_level(noisy) == pytest.approx(1e-4, rel=0.06)
 
 
+@pytest.mark.parametrize(("noise", "expected"), [(1e-4, 1e-4), (2e-4, 2e-4), (3e-4, 3e-4), (5e-5, 1e-4)])
+def test_noise_before_a_coarse_converter_makes_it_flicker(noise: float, expected: float) -> None:
+    """Steps of 2 mm; what flickers less than a twentieth of a step would is not told from none."""
+    generator = np.random.default_rng(6)
+    time = np.arange(20000) * 0.02
+    motion = 0.1 + 0.05 * np.sin(0.01 * time) + noise * generator.standard_normal(len(time))
+    assert noise_level(2e-3 * np.round(motion / 2e-3)) == pytest.approx(expected, rel=0.15)
+
+
 def test_grid_of_coarse_readings() -> None:
     generator = np.random.default_rng(4)
     fine = generator.uniform(0.02, 0.2, 3000)
