@@ -354,7 +354,7 @@ def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float,
     """Return the noise floors of free and re-anchored run: the noise of the readings, or the best fit's error."""
     free = min(each.score.free.rms for each in candidates)
     anchored = min(each.score.anchored.rms for each in candidates)
-    return min(holdout.noise, free), min(holdout.noise, anchored)
+    return min(holdout.floor, free), min(holdout.floor, anchored)
 
 
 def yardstick_of(likely: Candidate, base: Candidate, floors: tuple[float, float]) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from identification.cores import in_parts
-from identification.noise import noise_level
+from identification.noise import flicker_level, noise_level
 from valvemodel import chain, loops, runs
 from valvemodel.parameters import MEMORY, STATE
 from valvemodel.records import Record
@@ -127,6 +127,11 @@ class Experiment:
     def has_stairs(self) -> bool:
         """Whether the stem goes in stairs: an error far beyond the reach counts by the logarithm."""
         return math.isfinite(self.reach)
+
+    @property
+    def floor(self) -> float:
+        """Error that the right model leaves: the noise, of which a coarse converter makes whole steps. [m]"""
+        return max(self.noise, flicker_level(self.position))
 
     def comes_in_steps(self, step: float, offset: float) -> bool:
         """Return whether the readings lie about a grid of steps. [m]"""

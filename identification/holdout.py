@@ -44,10 +44,10 @@ class Holdout:
         return replace(self, scored_experiments=everything, scored=measured)
 
     @property
-    def noise(self) -> float:
-        """Noise of the scored readings, the floor of the gap. [m]"""
+    def floor(self) -> float:
+        """Error that the right model leaves of the scored readings, root mean square. [m]"""
         counts = np.array([mask.sum() for mask in self.scored])
-        squares = np.array([experiment.noise**2 for experiment in self.scored_experiments])
+        squares = np.array([experiment.floor**2 for experiment in self.scored_experiments])
         return float(np.sqrt((squares * counts).sum() / counts.sum()))
 
 

@@ -43,6 +43,21 @@ def noise_level(signal: np.ndarray) -> float:
     return max(level, 0.05 * step, step * flickering(signal) / FLICKERING, 1e-9)
 
 
+def flicker_level(signal: np.ndarray) -> float:
+    """Return what noise before a coarse converter leaves of its readings, root mean square, in the signal's unit.
+
+    A reading that is off is off by a whole step: where noise is small beside that a share sqrt(2 / pi) times noise by
+    step of them is.
+
+    Parameters
+    ----------
+    signal : array, shape (n,)
+        NaN where nothing was measured.
+    """
+    signal = signal[np.isfinite(signal)]
+    return reading_step(signal) * float(np.sqrt(np.sqrt(2.0) * flickering(signal))) if len(signal) > 2 else 0.0
+
+
 def flickering(signal: np.ndarray) -> float:
     """Return the share of readings that differ from both neighbours where these are alike."""
     before, here, after = signal[:-2], signal[1:-1], signal[2:]

@@ -248,7 +248,7 @@ def fit_records(
         rms_fitted=rms_of(whole, experiments, measured(experiments)),
         rms_unseen=rms_unseen,
         unseen=holdout.scored_on,
-        noise=holdout.noise,
+        noise=holdout.floor,
         starts={each.name: start for each, start in zip(experiments, whole.starts, strict=True)},
         open=account.open,
         warnings=(*(warning for record in records for warning in record.warnings), *notes),

@@ -43,7 +43,7 @@ def test_black_box_closes_a_bow_and_nothing_of_noise(quiet, refitted):
     bow = 0.02 * span * np.sin(3.0 * np.pi * (quiet.position - quiet.position.min()) / span)
     base, holdout = refitted(quiet, bow)
     after = ceiling_of(base.fit, holdout, is_anchored=False)
-    assert closed_share(base.score.free.rms, after.rms, holdout.noise) > 0.8
+    assert closed_share(base.score.free.rms, after.rms, holdout.floor) > 0.8
     base, holdout = refitted(quiet)
     assert ceiling_of(base.fit, holdout, is_anchored=False).rms == pytest.approx(base.score.free.rms, rel=0.05)
 

@@ -10,7 +10,7 @@ from identification.experiment import experiment_of
 from identification.extension import extend
 from identification.fit import Fit, fit_base
 from identification.hints import coarsest_grid, strongest_periods
-from identification.noise import noise_level, reading_grid
+from identification.noise import flicker_level, noise_level, reading_grid
 from identification.uncertainty import covariance, estimates
 from identification.unknowns import EDGE, unknown_of
 from valvemodel.effects import effect_of_key
@@ -58,6 +58,19 @@ def test_noise_before_a_coarse_converter_makes_it_flicker(noise: float, expected
     time = np.arange(20000) * 0.02
     motion = 0.1 + 0.05 * np.sin(0.01 * time) + noise * generator.standard_normal(len(time))
     assert noise_level(2e-3 * np.round(motion / 2e-3)) == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.parametrize("noise", [1e-4, 3e-4, 0.0])
+def test_noise_before_a_coarse_converter_leaves_whole_steps(noise: float) -> None:
+    generator = np.random.default_rng(7)
+    time = np.arange(20000) * 0.02
+    quiet = 0.1 + 0.05 * np.sin(0.01 * time)
+    readings = 2e-3 * np.round((quiet + noise * generator.standard_normal(len(time))) / 2e-3)
+    left = float(np.sqrt(np.mean((readings - 2e-3 * np.round(quiet / 2e-3)) ** 2)))
+    assert flicker_level(readings) == pytest.approx(left, rel=0.1)
+    readings[::50] = np.nan
+    record = Record.from_arrays(name="coarse", time=time, current=np.full(len(time), 0.012), position=readings)
+    assert experiment_of(record).floor == pytest.approx(max(left, 1e-4), rel=0.15)
 
 
 def test_grid_of_coarse_readings() -> None:
