@@ -221,9 +221,12 @@ def glanced(fit: Fit, key: str) -> tuple[float, Fit]:
     starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
     if makes_pressure(effect):
         starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
-    problem, best = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
-    is_nearer = best.error < fit.found.error
-    return share, finished(*((problem, best) if is_nearer else near_neutral(fit, effect, trials, evaluations=GLANCE)))
+    seen = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
+    if seen[1].error >= fit.found.error:
+        # A lag that is small shows nothing, and its runs are dear.
+        is_lag = any(each.is_lag for each in effect.fitted)
+        seen = at_neutral(fit, effect) if is_lag else near_neutral(fit, effect, trials, evaluations=GLANCE)
+    return share, finished(*seen)
 
 
 @threadpool_limits.wrap(limits=1)
