@@ -123,19 +123,21 @@ def try_by_promise(
 def called_for(base: Candidate, seen: Mapping[str, Glance], work: Work, tried: Sequence[Candidate]) -> Work:
     """Return work on a single effect that is followed as far as what was tried before it calls for.
 
-    What comes to the noise at a glance is followed from there alone. Beside one that comes to the noise an effect must
-    show something at a glance, unless they are alike, and come near to be followed to its end; one whose runs are dear
-    must show a little in any case. Beside a base that leaves little it must promise what can be told at all.
+    What comes to the noise at a glance is followed from there alone, but where another form may come nearer. Beside one
+    that comes to the noise an effect must show something at a glance, unless they are alike, and come near to be
+    followed to its end; one whose runs are dear must show a little in any case. Beside a base that leaves little it
+    must promise what can be told at all.
     """
     noise = base.fit.problem.noise_error
     if base.fit.found.error < LITTLE_LEFT * noise:
         return replace(work, promise=PROMISE_AT_NOISE)
-    look = seen.get(work.effects[0])
-    if look is not None and look.fit.found.error < AT_NOISE * noise:
+    (key,) = work.effects
+    look = seen.get(key)
+    if look is not None and look.fit.found.error < AT_NOISE * noise and effect_of_key(key).has_one_form:
         return replace(work, begun=look.fit)
     ends = [each for each in tried if is_near_noise(each, base)]
     is_alike = any(differ_by_aliases(work.effects, each.effects) for each in ends)
-    least = LEAST_SHARE if ends else LEAST_SHARE_DEAR if is_dear(work.effects[0]) else 0.0
+    least = LEAST_SHARE if ends else LEAST_SHARE_DEAR if is_dear(key) else 0.0
     if look is not None and look.share < least and not is_alike:
         return replace(work, begun=look.fit, worth=0.0)
     return replace(work, worth=FAR_BEHIND * min((each.fit.found.error for each in ends), default=math.inf))

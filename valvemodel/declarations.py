@@ -159,6 +159,11 @@ class Effect:
         return {**values, **neutral, **dict.fromkeys(self.differing, alike)}
 
     @property
+    def has_one_form(self) -> bool:
+        """Whether a fit moves all its numbers, together: nothing is to be chosen."""
+        return not self.is_one_of and not self.laws and all(each.is_fitted for each in self.parameters)
+
+    @property
     def is_read_off(self) -> bool:
         """Whether all numbers are read off the record, as the grid of coarse readings is: a fit moves none."""
         return not self.fitted
