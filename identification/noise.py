@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 KEPT_SHARE = 0.6
@@ -10,10 +12,9 @@ KEPT_SHARE = 0.6
 KEPT_VARIANCE = 0.21530
 """Mean square of the smaller 60 % of a standard normal variable: 1 - 2 q phi(q)/0.6 with q = 0.84162."""
 
-
-FLICKERING = 0.5642
-"""Share of readings in steps that stand alone between two alike, over noise by step: 1 / sqrt(pi) for places that lie
-anywhere between two steps, of noise that is small beside them."""
+FLICKERING, OFF = 1.0 / math.sqrt(math.pi), math.sqrt(2.0 / math.pi)
+"""Shares of readings in steps that stand alone between two alike, and that are off by a step, over noise by step: of
+places that lie anywhere between two steps, and noise that is small beside them."""
 
 
 def noise_level(signal: np.ndarray) -> float:
@@ -39,29 +40,36 @@ def noise_level(signal: np.ndarray) -> float:
     squares = np.sort(np.diff(signal, n=3) ** 2)
     kept = squares[: max(int(KEPT_SHARE * len(squares)), 1)]
     level = float(np.sqrt(np.mean(kept) / (KEPT_VARIANCE * 20.0)))
-    step = reading_step(signal)
-    return max(level, 0.05 * step, step * flickering(signal) / FLICKERING, 1e-9)
+    step, share = flickering(signal)
+    return max(level, 0.05 * step, step * share / FLICKERING, 1e-9)
 
 
 def flicker_level(signal: np.ndarray) -> float:
     """Return what noise before a coarse converter leaves of its readings, root mean square, in the signal's unit.
 
-    A reading that is off is off by a whole step: where noise is small beside that a share sqrt(2 / pi) times noise by
-    step of them is.
+    A reading that is off is off by a whole step.
 
     Parameters
     ----------
     signal : array, shape (n,)
         NaN where nothing was measured.
     """
-    signal = signal[np.isfinite(signal)]
-    return reading_step(signal) * float(np.sqrt(np.sqrt(2.0) * flickering(signal))) if len(signal) > 2 else 0.0
+    step, share = flickering(signal[np.isfinite(signal)])
+    return step * math.sqrt(OFF / FLICKERING * share)
 
 
-def flickering(signal: np.ndarray) -> float:
-    """Return the share of readings that differ from both neighbours where these are alike."""
-    before, here, after = signal[:-2], signal[1:-1], signal[2:]
-    return float(np.mean((before == after) & (here != before)))
+def flickering(signal: np.ndarray) -> tuple[float, float]:
+    """Return the step of the grid that a signal's values lie on, and the share of them that stand alone on a step.
+
+    That is on another one than both neighbours, where these are on one; both are 0 where there is no grid.
+    """
+    step, offset = reading_grid(signal)
+    if step == 0.0:
+        return 0.0, 0.0
+    # By steps, not by values: a finer display shows several on one.
+    steps = np.round((signal - offset) / step)
+    before, here, after = steps[:-2], steps[1:-1], steps[2:]
+    return step, float(np.mean((before == after) & (here != before)))
 
 
 def reading_step(signal: np.ndarray) -> float:

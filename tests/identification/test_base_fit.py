@@ -73,6 +73,18 @@ def test_noise_before_a_coarse_converter_leaves_whole_steps(noise: float) -> Non
     assert experiment_of(record).floor == pytest.approx(max(left, 1e-4), rel=0.15)
 
 
+def test_what_a_finer_display_shows_of_one_step_is_no_flicker() -> None:
+    """Some levels lie between two marks of the display, and noise far below it shows one or the other."""
+    generator = np.random.default_rng(8)
+    time = np.arange(8000) * 0.02
+    coarse = 3.006e-3 * np.round((0.1 + 0.08 * np.sin(0.2 * time)) / 3.006e-3)
+    shown = 5e-5 * np.round((coarse + 2e-6 * generator.standard_normal(len(time))) / 5e-5)
+    assert reading_grid(shown)[0] == pytest.approx(3.006e-3, rel=1e-3)
+    assert np.mean(shown[1:-1] != shown[:-2]) > 0.05
+    assert flicker_level(shown) < 5e-5
+    assert noise_level(shown) == pytest.approx(0.05 * 3.006e-3, rel=1e-3)
+
+
 def test_grid_of_coarse_readings() -> None:
     generator = np.random.default_rng(4)
     fine = generator.uniform(0.02, 0.2, 3000)
