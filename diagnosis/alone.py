@@ -23,8 +23,9 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Glance, Progress, Work, glances, sharpen_all, try_all, try_in_turn
+from diagnosis.trying import Candidate, Progress, Work, glances, sharpen_all, try_all, try_in_turn
 from identification.experiment import are_loops
+from identification.extension import Glance
 from identification.fit import Fit
 from identification.hints import begins_at_periods
 from identification.holdout import Holdout
@@ -34,12 +35,12 @@ from valvemodel.effects import differ_by_aliases, effect_of_key
 from valvemodel.stages import EFFECTS
 
 LEAST_SHARE, PROMISE_AT_NOISE = 0.25, 0.005
-"""Share of the base's error that an effect must take in at a glance to be followed alone where another settles the
-record, and promise by slopes where the base leaves little. Of 160 blind single effects of our own none that promised
+"""Share of the base's error that an effect must show at a glance to be followed alone where another comes to the
+noise, and promise by slopes where the base leaves little. Of 160 blind single effects of our own none that promised
 less by slopes had another settle the record that was not alike, but for some that leave next to nothing."""
 
 LEAST_SHARE_DEAR = 0.05
-"""The same of an effect whose runs are dear, whatever settles the record: of 67 in blind pairs of our own none took in
+"""The same of an effect whose runs are dear, whatever else comes near: of 67 in blind pairs of our own none took in
 less than 0.066."""
 
 MOST_NEARLY = 4

@@ -351,10 +351,11 @@ def diagnose_with(
 
 
 def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:
-    """Return the noise floors of free and re-anchored run: the noise of the readings, or the best fit's error."""
+    """Return the floors of free and re-anchored run: what noise leaves of the readings, or the best fit's error."""
+    floor = holdout.floor
     free = min(each.score.free.rms for each in candidates)
     anchored = min(each.score.anchored.rms for each in candidates)
-    return min(holdout.floor, free), min(holdout.floor, anchored)
+    return min(floor, free), min(floor, anchored)
 
 
 def yardstick_of(likely: Candidate, base: Candidate, floors: tuple[float, float]) -> str:

@@ -13,7 +13,7 @@ from itertools import repeat
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import ended, extend, extend_from, glanced
+from identification.extension import Glance, continued, extend, extend_from, glanced
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
@@ -112,7 +112,7 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
     """Extend a fit by the last of a cause's effects and score it."""
     key = work.effects[-1]
     if work.begun is not None:
-        extended = ended(work.begun) if work.begun.found.error < work.worth else work.begun
+        extended = continued(work.begun) if work.begun.found.error < work.worth else work.begun
     elif work.is_known and work.known is not None:
         extended = extend_from(work.fit, key, work.known, worth=work.worth)
     else:
@@ -254,28 +254,11 @@ def try_in_turn(
     return [*done, *(job.result() for job in jobs)]
 
 
-@dataclass(frozen=True)
-class Glance:
-    """What a glance at an effect shows: the fit with it a few points down, and the share of the error that it takes in.
-
-    The share is that which slopes promise where that is more.
-    """
-
-    fit: Fit
-    share: float
-
-
 def glances(fit: Fit, keys: Sequence[str], pool: Executor | None) -> dict[str, Glance]:
     """Return what a glance at each of some effects on top of a fit shows, on all cores where there is a pool."""
     # Taken here, not once in each process.
     _ = fit.own_slopes
-    return dict(zip(keys, (pool.map if pool else map)(partial(glance_at, fit), keys), strict=True))
-
-
-def glance_at(fit: Fit, key: str) -> Glance:
-    """Glance at an effect on top of a fit."""
-    promised, seen = glanced(fit, key)
-    return Glance(seen, max(promised, 1.0 - seen.found.error / fit.found.error))
+    return dict(zip(keys, (pool.map if pool else map)(partial(glanced, fit), keys), strict=True))
 
 
 def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | None) -> dict[str, float]:

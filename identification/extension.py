@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -84,6 +84,28 @@ another effect, where a global search ends nowhere exact."""
 
 EXPLAINED = 0.8
 """Share of a fit's error at the slips below which an effect must come for the search to go on from there."""
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What a glance at an effect on top of a fit shows.
+
+    Attributes
+    ----------
+    fit : Fit
+        With the effect, a few points down; no worse than without.
+    promised, taken_in : float
+        Shares of the error without it that the start promises to explain by slopes, and that the fit has taken in.
+    """
+
+    fit: Fit
+    promised: float
+    taken_in: float
+
+    @property
+    def share(self) -> float:
+        """The share that it shows in either way."""
+        return max(self.promised, self.taken_in)
 
 
 @threadpool_limits.wrap(limits=1)
@@ -200,37 +222,37 @@ def extended(
 
 
 @threadpool_limits.wrap(limits=1)
-def glanced(fit: Fit, key: str) -> tuple[float, Fit]:
+def glanced(fit: Fit, key: str) -> Glance:
     """Add an effect to a fit and follow its most promising start a few points down.
 
-    Returns
-    -------
-    float
-        Share of the fit's error that the start promises to explain by slopes.
-    Fit
-        No worse than the fit without. Where that leaves little slopes tell all, and it is at a value that changes
-        nothing.
+    Where the fit leaves little slopes tell all: the effect is at a value that changes nothing.
     """
     effect = effect_of_key(key)
     trials = screened(fit, effect)
-    share = 0.5 * trials[0].gain / fit.found.error
-    if fit.found.error < LITTLE_LEFT * fit.problem.noise_error:
-        return share, finished(*at_neutral(fit, effect))
+    seen = at_neutral(fit, effect)
+    if fit.found.error >= LITTLE_LEFT * fit.problem.noise_error:
+        seen = glanced_down(fit, effect, trials)
+    return Glance(finished(*seen), 0.5 * trials[0].gain / fit.found.error, 1.0 - seen[1].error / fit.found.error)
+
+
+def glanced_down(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem, Found]:
+    """Follow the most promising start a few points down, and what else it may begin as; no worse than without."""
     plain = first_plain(fit, trials)
     starts = [(plain.problem, plain.point)]
     starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
     if makes_pressure(effect):
         starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
-    seen = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
-    if seen[1].error >= fit.found.error:
-        # A lag that is small shows nothing, and its runs are dear.
-        is_lag = any(each.is_lag for each in effect.fitted)
-        seen = at_neutral(fit, effect) if is_lag else near_neutral(fit, effect, trials, evaluations=GLANCE)
-    return share, finished(*seen)
+    problem, best = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
+    if best.error < fit.found.error:
+        return problem, best
+    if any(each.is_lag for each in effect.fitted):
+        # One that is small shows nothing, and its runs are dear.
+        return at_neutral(fit, effect)
+    return near_neutral(fit, effect, trials, evaluations=GLANCE)
 
 
 @threadpool_limits.wrap(limits=1)
-def ended(fit: Fit) -> Fit:
+def continued(fit: Fit) -> Fit:
     """Follow a fit that was begun down to its end."""
     return finished(*released_at_end(fit.problem, fit.found.point))
 

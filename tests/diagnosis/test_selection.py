@@ -21,7 +21,8 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Glance, Work
+from diagnosis.trying import Candidate, Work
+from identification.extension import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
 
@@ -34,7 +35,7 @@ def candidate(misfit: float, *effects: str) -> Candidate:
 
 
 def glance(fit: object, error: float, share: float = 0.0) -> Glance:
-    return Glance(SimpleNamespace(found=SimpleNamespace(error=error), beside=fit), share)
+    return Glance(SimpleNamespace(found=SimpleNamespace(error=error), beside=fit), share, 0.0)
 
 
 def waves(misfit: float, *effects: str) -> Candidate:
@@ -564,7 +565,7 @@ def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkey
 @pytest.mark.parametrize(("worth", "is_followed"), [(105.0, True), (100.0, False)])
 def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, worth, is_followed):
     begun, followed = candidate(1.0, "coil_lag").fit, candidate(0.9, "coil_lag").fit
-    monkeypatch.setattr(trying, "ended", lambda fit: followed if fit is begun else None)
+    monkeypatch.setattr(trying, "continued", lambda fit: followed if fit is begun else None)
     monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: fit)
     work = Work(candidate(40.0).fit, ("coil_lag",), False, begun=begun, worth=worth)
     assert trying.try_effect(work, None) is (followed if is_followed else begun)

@@ -4,37 +4,39 @@ import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
 from identification import extension
-from identification.extension import GLANCE, ended, extend, glanced
+from identification.extension import GLANCE, continued, extend, glanced
 from identification.search import descend
 
 
 @pytest.mark.parametrize("key", ["sensor_lag", "chamber_filling", "transport_delay"])
 def test_what_is_in_the_valve_shows_at_a_glance_though_slopes_promise_little(key, tmp_path):
     _, base = base_of_plant(9302, (key,), tmp_path)
-    promised, seen = glanced(base, key)
-    others = [glanced(base, other)[1].found.error for other in ("spring_hardening", "linkage_backlash", "end_stop")]
+    look = glanced(base, key)
+    promised, seen = look.promised, look.fit
+    others = [glanced(base, other).fit.found.error for other in ("spring_hardening", "linkage_backlash", "end_stop")]
     assert seen.found.error < 0.5 * min(base.found.error, *others)
     assert 1.0 - seen.found.error / base.found.error > 2.0 * promised
 
 
 def test_what_comes_to_the_noise_at_a_glance_ends_where_a_whole_search_does(tmp_path):
     _, base, found = fits_to_plant(9302, "sensor_lag", tmp_path)
-    seen = glanced(base, "sensor_lag")[1]
+    seen = glanced(base, "sensor_lag").fit
     assert seen.found.error < 1.05 * base.problem.noise_error
-    assert ended(seen).found.error == pytest.approx(found.found.error, rel=0.01)
+    assert continued(seen).found.error == pytest.approx(found.found.error, rel=0.01)
 
 
 def test_a_glance_leaves_no_more_than_the_fit_without(tmp_path):
     _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
     for key in ("asymmetric_friction", "gap_drift", "presliding", "choked_flow"):
-        assert glanced(base, key)[1].found.error <= base.found.error
+        assert glanced(base, key).fit.found.error <= base.found.error
 
 
 def test_beside_a_fit_that_leaves_little_slopes_tell_all(tmp_path):
     _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
     found = extend(base, "sensor_lag")
-    promised, seen = glanced(found, "coil_lag")
-    assert promised < 0.01
+    look = glanced(found, "coil_lag")
+    seen = look.fit
+    assert look.share == look.promised < 0.01
     assert seen.found.error == found.found.error
     assert seen.model.effects["coil_lag"]["coil_time_constant"] == 0.0
 
