@@ -18,7 +18,7 @@ from identification.holdout import Holdout
 from identification.pairs import Trace, begun, promising_pairs, traces_of
 from identification.problem import Problem
 from identification.screening import released
-from identification.search import Found, descend, descend_to_end
+from identification.search import RENEWED, Found, descend, descend_to_end
 from valvemodel.effects import effect_of_key
 
 LOOKED_AT, FOLLOWED, ENDED = 48, 12, 5
@@ -26,9 +26,6 @@ LOOKED_AT, FOLLOWED, ENDED = 48, 12, 5
 
 FIRST_LOOK, FURTHER = 6, 10
 """Points of the search that looks about, and of the one that goes on."""
-
-RENEWED = 3
-"""Steps on which the derivative serves while starts are compared."""
 
 WHAT = "two effects that promise most together"
 """What is said meanwhile."""

@@ -27,6 +27,10 @@ SEARCHED_SAMPLES = 1200
 
 POPULATION, GENERATIONS = 36, 25
 
+FINALISTS = 12
+"""Profiles of the last generation, the best to first order, whose rivals are refitted: of two that promise as much to
+first order a rival may follow one and not the other."""
+
 USUAL_PRESSURE_NOISE = 300.0
 """Noise that a pressure gauge is taken to have where none was used yet. [Pa]"""
 
@@ -100,6 +104,7 @@ def next_experiment(
 
     The rivals are the cause and what the diagnosis cannot tell from it, or else the runner-up. Profiles are ramps and
     dwells between free levels, repeated or not; the search is differential evolution, begun at the usual test signals.
+    It takes refits to first order, and of what comes out of it the best by a refit is chosen.
 
     References
     ----------
@@ -133,7 +138,9 @@ def next_experiment(
         polish=False,
         rng=np.random.default_rng(seed),
     )
-    time, current = profile_of(found.x, limits, period)
+    finalists = found.population[np.argsort(found.population_energies)[:FINALISTS]]
+    profiles = [profile_of(design, limits, period) for design in finalists]
+    time, current = max(profiles, key=lambda profile: left_by_refits(rivals, diagnosis.experiments, *profile)[0])
     separation, pair = judged(rivals, diagnosis.experiments, time, current)
     return NextExperiment(
         name=name,
@@ -151,21 +158,27 @@ def judged(
     rivals: Sequence[Rival], present: Sequence[Experiment], time: np.ndarray, current: np.ndarray
 ) -> tuple[dict[str, float], tuple[tuple[str, ...], tuple[str, ...]]]:
     """Return the separations under the present and the next input, and the pair that is closest under the next."""
-    is_usual = present[0].pressure is not None
-    gauge = present[0].pressure_noise or USUAL_PRESSURE_NOISE
-    inputs = {"now": (present[0].time, present[0].current), "profile": (time, current)}
-
-    def least(which: str, is_measured: bool) -> tuple[float, tuple[tuple[str, ...], tuple[str, ...]]]:
-        pressure_noise = gauge if is_measured else None
-        blank = blank_experiment(*inputs[which], noise=present[0].noise, pressure_noise=pressure_noise)
-        return least_separation(rivals, present, blank)
-
-    apart, pair = least("profile", is_usual)
-    separation = {"now": least("now", is_usual)[0], "profile": apart}
-    if not is_usual:
-        separation["pressure_now"] = least("now", True)[0]
-        separation["profile_and_pressure"] = least("profile", True)[0]
+    now = present[0].time, present[0].current
+    apart, pair = left_by_refits(rivals, present, time, current)
+    separation = {"now": left_by_refits(rivals, present, *now)[0], "profile": apart}
+    if present[0].pressure is None:
+        separation["pressure_now"] = left_by_refits(rivals, present, *now, with_gauge=True)[0]
+        separation["profile_and_pressure"] = left_by_refits(rivals, present, time, current, with_gauge=True)[0]
     return separation, pair
+
+
+def left_by_refits(
+    rivals: Sequence[Rival],
+    present: Sequence[Experiment],
+    time: np.ndarray,
+    current: np.ndarray,
+    *,
+    with_gauge: bool = False,
+) -> tuple[float, tuple[tuple[str, ...], tuple[str, ...]]]:
+    """Return the least separation of refitted rivals under an input, and the pair; with a pressure gauge or as now."""
+    pressure_noise = present[0].pressure_noise or (USUAL_PRESSURE_NOISE if with_gauge else None)
+    blank = blank_experiment(time, current, noise=present[0].noise, pressure_noise=pressure_noise)
+    return least_separation(rivals, present, blank)
 
 
 def rivals_in(diagnosis: Diagnosis) -> tuple[list[Candidate], bool]:

@@ -130,8 +130,10 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     """Return those of the first of some causes whose search may have ended beside the least error.
 
     Of readings in coarse steps few lie beyond them, and these tell: what explains such a record may come to its noise.
+    A whole series of waves has too many numbers for it.
     """
     near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
+    near = [each for each in near if not each.has_series]
     return [
         each
         for each in near

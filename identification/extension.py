@@ -28,7 +28,7 @@ from identification.screening import (
     traded,
     withheld,
 )
-from identification.search import Effort, Found, descend, descend_to_end, errors, principal_directions, roam
+from identification.search import RENEWED, Effort, Found, descend, descend_to_end, errors, principal_directions, roam
 from identification.stick_slip import (
     LAWFUL,
     SlipSearch,
@@ -67,9 +67,6 @@ where laws of stick-slip are compared beside another effect."""
 
 CLOSE = 1.5
 """Error over the best one's up to which another form of an effect is followed to its end as well."""
-
-RENEWED = (3, 2)
-"""Steps of a search on which its derivatives serve, while starts are compared and while the best is followed."""
 
 WORTH_LONG = 0.02
 """Share of a fit's error that starts must promise to explain for an effect to be followed whose runs take long."""
@@ -242,7 +239,7 @@ def glanced_down(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem
     starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
     if makes_pressure(effect):
         starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
-    problem, best = nearest_descended(starts, evaluations=GLANCE, renewed=RENEWED[0])
+    problem, best = nearest_descended(starts, evaluations=GLANCE)
     if best.error < fit.found.error:
         return problem, best
     if any(each.is_lag for each in effect.fitted):
@@ -358,7 +355,11 @@ def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Fou
     """
     problem, best = looked_down(fit, effect, group)
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
-    return (problem, best) if freed is problem else (freed, descend(freed, point, evaluations=10, precision=1e-3))
+    return (
+        (problem, best)
+        if freed is problem
+        else (freed, descend(freed, point, evaluations=10, precision=1e-3, renewed=RENEWED))
+    )
 
 
 def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
@@ -372,10 +373,10 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
-            found = descend(trial.problem, begun, evaluations=15, precision=1e-3, renewed=RENEWED[0])
+            found = descend(trial.problem, begun, evaluations=15, precision=1e-3, renewed=RENEWED)
             starts.append((trial.problem, found.point))
     if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
-        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=(1, 1))
+        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=1)
     first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
     return best_descended(starts, first=first, further=10, precision=1e-3)
 
@@ -441,15 +442,15 @@ def best_descended(
     first: int,
     further: int,
     precision: float,
-    renewed: tuple[int, int] = RENEWED,
+    renewed: int = RENEWED,
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
-    problem, best = nearest_descended(starts, evaluations=first, renewed=renewed[0])
-    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed[1])
+    problem, best = nearest_descended(starts, evaluations=first, renewed=renewed)
+    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed)
 
 
 def nearest_descended(
-    starts: list[tuple[Problem, np.ndarray]], *, evaluations: int, renewed: int
+    starts: list[tuple[Problem, np.ndarray]], *, evaluations: int, renewed: int = RENEWED
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations and return where the best of them came."""
     begun = [
@@ -463,7 +464,7 @@ def near_neutral(fit: Fit, effect: Effect, trials: list[Trial], *, evaluations: 
     """Follow the most promising start down from a small part of its size; the fit as it was where that is in vain."""
     small = resized(effect, first_plain(fit, trials).problem.model.effects[effect.key], SHRUNK)
     problem, point = joined(fit.problem, fit.found.point, effect, small)
-    best = descend(problem, point, evaluations=evaluations, precision=1e-4)
+    best = descend(problem, point, evaluations=evaluations, precision=1e-4, renewed=RENEWED)
     return (problem, best) if best.error <= fit.found.error else at_neutral(fit, effect)
 
 

@@ -125,6 +125,11 @@ class Problem:
         """Whether the model reads in coarse steps of an experiment's readings."""
         return any(self.comes_in_steps(each) for each in self.experiments)
 
+    @cached_property
+    def is_smooth(self) -> bool:
+        """Whether a derivative of the residuals serves on some way: it does not in coarse steps and on bristles."""
+        return not self.reads_in_steps and not any(effect_of_key(key).takes_long for key in self.model.effects)
+
     def comes_in_steps(self, experiment: Experiment) -> bool:
         """Return whether an experiment's readings come in the model's coarse steps."""
         return experiment.comes_in_steps(self.step, float(self._rows["resolution_offset"][0]))

@@ -44,17 +44,17 @@ MORE_EVALUATIONS, STILL_FALLING = 20, 0.98
 EVALUATIONS_IN_STEPS = 60
 """The same of readings in coarse steps: what is left beyond half a step falls with the cube of what is off."""
 
-RENEWED_SERIES = 3
-"""After how many steps at least the derivative is taken anew where a series of unknowns makes it dear."""
+RENEWED, RENEWED_SERIES = 3, 8
+"""After how many points the derivative is taken anew, and where a series of unknowns makes it dear."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where a search ended: scaled point, error (half the sum of squared residuals), and whether for want of points."""
+    """Where a search ended: scaled point, error (half the sum of squared residuals), and whether it may go on."""
 
     point: np.ndarray
     error: float
-    is_cut_short: bool = False
+    may_go_on: bool = False
 
 
 class Slopes:
@@ -80,6 +80,11 @@ class Slopes:
         self.residuals_at, self.slopes_at, self.renewed, self.asked = residuals_at, slopes_at, renewed, 0
         self.known: dict[bytes, np.ndarray] = {}
         self.last: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether the last derivative was not taken anew."""
+        return (self.asked - 1) % self.renewed != 0
 
     def residuals(self, point: np.ndarray) -> np.ndarray:
         """Return the residuals at a point, shape (r,)."""
@@ -127,7 +132,7 @@ def descend(
     precision : float
         Share of the error below which a step's gain ends the search.
     renewed : int
-        After how many steps the derivative is taken by differences again: 1 is always, more is a quick first look.
+        After how many points the derivative is taken by differences again: 1 is always.
     """
     from scipy.optimize import least_squares
 
@@ -136,7 +141,7 @@ def descend(
     slopes = Slopes(
         lambda point: problem.residuals(point[None, :])[0],
         problem.jacobian,
-        max(renewed, RENEWED_SERIES) if problem.has_series else renewed,
+        RENEWED_SERIES if problem.has_series else renewed,
     )
     result = least_squares(
         slopes.residuals,
@@ -149,7 +154,8 @@ def descend(
         gtol=1e-12,
         x_scale="jac",
     )
-    return Found(result.x, float(result.cost), is_cut_short=result.status == 0)
+    # A derivative of many columns that was bent again and again may end a search before its end.
+    return Found(result.x, float(result.cost), result.status == 0 or (problem.has_series and slopes.is_bent))
 
 
 def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
@@ -164,17 +170,19 @@ def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
     start : array, shape (unknowns,)
     """
     if not problem.is_in_steps:
-        found, before = descend(problem, start, evaluations=END_EVALUATIONS, precision=END_PRECISION), math.inf
-        while found.is_cut_short and found.error < STILL_FALLING * before:
+        renewed = RENEWED if problem.is_smooth else 1
+        follow = partial(descend, problem, precision=END_PRECISION, renewed=renewed)
+        found, before = follow(start, evaluations=END_EVALUATIONS), math.inf
+        while found.may_go_on and found.error < STILL_FALLING * before:
             before = found.error
-            found = descend(problem, found.point, evaluations=MORE_EVALUATIONS, precision=END_PRECISION)
+            found = follow(found.point, evaluations=MORE_EVALUATIONS)
         return found
-    point, follow = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
+    point, follow_in_steps = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
     for within in NARROWER:
-        point = follow(replace(problem, within=within), point, precision=NEAR_PRECISION).point
-    near = follow(problem, point, precision=END_PRECISION)
+        point = follow_in_steps(replace(problem, within=within), point, precision=NEAR_PRECISION).point
+    near = follow_in_steps(problem, point, precision=END_PRECISION)
     is_worse = near.error > float(errors(problem, start[None, :])[0])
-    return follow(problem, start, precision=END_PRECISION) if is_worse else near
+    return follow_in_steps(problem, start, precision=END_PRECISION) if is_worse else near
 
 
 def errors(problem: Problem, points: np.ndarray, most: np.ndarray | float = np.inf) -> np.ndarray:

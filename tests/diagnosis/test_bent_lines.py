@@ -280,6 +280,22 @@ def test_slips_are_not_looked_at_where_a_coarse_reading_comes_nearer(monkeypatch
     assert slips.beside_slips(alone, None, None, lambda what, share: None) == []
 
 
+@pytest.mark.parametrize(("alone_by", "is_looked_at"), [(0.95, False), (0.85, True)])
+def test_slips_are_looked_at_where_a_law_gains_though_the_line_is_straight(monkeypatch, alone_by, is_looked_at):
+    """Another effect may be better alone: what shapes the slips leaves the breakaways on their line."""
+    asked = []
+    monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(slips, "straight_line", lambda fit: SimpleNamespace(is_explained=True))
+    monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
+    monkeypatch.setattr(slips, "look_alone", lambda fit, line, keys, pool: asked.append(keys) or explained)
+    explained = SimpleNamespace(is_explained=lambda share: True)
+    problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
+    base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
+    alone = [base, named(alone_by * 40.0, "static_friction"), named(30.0, "load_force")]
+    assert slips.beside_slips(alone, None, None, lambda *what: None) == []
+    assert asked == [["static_friction"]] * is_looked_at
+
+
 def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
     alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
     assert beside_the_best(alone, alone[1]) == []

@@ -61,8 +61,8 @@ def test_designed_steps_tell_a_lag_from_a_delay(creeping: Answer):
     designed = next_experiment(creeping, Limits(duration=15.0))
     assert designed.rivals == [("sensor_lag",), ("transport_delay",)]
     assert designed.is_open
-    # A transmitter that lags twice comes near to a delay.
-    assert designed.separation["profile"] > 1.5 * designed.separation["now"]
+    # A transmitter that lags twice follows a delay in most profiles, whatever a refit to first order says.
+    assert designed.separation["profile"] > 10.0 * designed.separation["now"]
     assert designed.separation["profile_and_pressure"] > 0.85 * designed.separation["profile"]
     same = next_experiment(creeping, Limits(duration=15.0))
     assert np.array_equal(same.current, designed.current)

@@ -318,6 +318,7 @@ def test_what_loses_the_phase_of_its_slips_is_searched_about_where_it_leaves_muc
     assert blunt([candidate(1.1, "end_stop", "stribeck")], base) == []
     alone = candidate(8.0, "stribeck")
     assert blunt([alone], base) == [alone]
+    assert blunt([waves(8.0, "load_force", "stribeck"), waves(9.0, "load_force", "quantisation")], base) == []
 
 
 def test_a_smooth_effect_beside_jumps_is_tried_in_its_other_forms():
