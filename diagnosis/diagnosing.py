@@ -18,6 +18,7 @@ from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
 from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
+from diagnosis.parts import evenly_parted
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
@@ -279,13 +280,14 @@ def diagnose_with(
     if slowness:
         holdout = hold_out(experiments)
         base = fit_base(model, holdout.experiments, holdout.fitted)
+    holdout, base = evenly_parted(holdout, base, model)
     experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
     first = Candidate((), base, score_fit(base, holdout))
     tried = try_first(first, holdout, library, pool, progress)
-    seen = stairs_beside(tried, experiments, model)
+    seen = stairs_beside(tried, experiments, holdout, model)
     if not seen:
         tried = try_together(tried, holdout, pool, progress)
-        seen = stairs_beside(tried, experiments, model)
+        seen = stairs_beside(tried, experiments, holdout, model)
     if seen:
         experiments, holdout, base = seen
         first = Candidate((), base, score_fit(base, holdout))

@@ -38,14 +38,14 @@ def on_stairs(
     progress: Progress,
 ) -> tuple[list[Experiment], Holdout, Fit]:
     """Return experiments, their parts and the base refitted to them, where they have stairs; else all as it was."""
-    read = tempered(experiments, base, model)
+    read = tempered(experiments, holdout, base, model)
     if read and makes_stairs(read[2], library, pool, progress):
         return read
     return experiments, holdout, base
 
 
 def stairs_beside(
-    tried: Sequence[Candidate], experiments: list[Experiment], model: Model
+    tried: Sequence[Candidate], experiments: list[Experiment], holdout: Holdout, model: Model
 ) -> tuple[list[Experiment], Holdout, Fit] | None:
     """Return experiments, their parts and the base, as `on_stairs` does, where stairs show beside another effect only.
 
@@ -56,6 +56,8 @@ def stairs_beside(
     tried : sequence of Candidate
         All that was tried on the record as it was, the base first.
     experiments : list of Experiment
+    holdout : Holdout
+        Of them.
     model : Model
 
     Returns
@@ -71,15 +73,17 @@ def stairs_beside(
     rest = [each for each in tried if set(each.effects) == set(best.effects) - set(makers)]
     if not makers or not rest or misfit(best) > STEPPED * misfit(rest[0]) or misfit(best) < GOOD_ENOUGH:
         return None
-    return tempered(experiments, tried[0].fit, model)
+    return tempered(experiments, holdout, tried[0].fit, model)
 
 
-def tempered(experiments: list[Experiment], base: Fit, model: Model) -> tuple[list[Experiment], Holdout, Fit] | None:
+def tempered(
+    experiments: list[Experiment], holdout: Holdout, base: Fit, model: Model
+) -> tuple[list[Experiment], Holdout, Fit] | None:
     """Return experiments as ones with stairs, their parts and the base refitted; None where they can have none."""
     stepped = with_stairs(experiments, base)
     if stepped == experiments:
         return None
-    parted = hold_out(stepped)
+    parted = hold_out(stepped, holdout.kept)
     return stepped, parted, fit_base(model, parted.experiments, parted.fitted)
 
 

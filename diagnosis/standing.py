@@ -44,11 +44,14 @@ def values_alone(tried: Sequence[Candidate]) -> dict[str, dict[str, float]]:
 
 
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes, each as the one of the same effects that comes nearest, in whatever order of adding."""
+    """Return the causes, each as the one of the same effects that comes nearest, in whatever order of adding.
+
+    Of two that are as near it is the later one: more was done to it.
+    """
     best: dict[frozenset[str], Candidate] = {}
     for each in (*tried, *others):
         effects = frozenset(each.effects)
-        best[effects] = min(best.get(effects, each), each, key=misfit)
+        best[effects] = min(each, best.get(effects, each), key=misfit)
     return list(best.values())
 
 
@@ -133,7 +136,7 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     A whole series of waves has too many numbers for it.
     """
     near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
-    near = [each for each in near if not each.has_series]
+    near = [each for each in near if not each.has_series and not each.is_sharpened]
     return [
         each
         for each in near

@@ -52,6 +52,8 @@ class Candidate:
         Number of the effects' free parameters; a series of like numbers, held by its prior, counts as few.
     has_series : bool
         Whether one of the effects is a whole series of waves, which has no other form than ours.
+    is_sharpened : bool
+        Whether it was searched about, which takes long and is done once.
     """
 
     effects: tuple[str, ...]
@@ -60,6 +62,7 @@ class Candidate:
     trace: float = math.inf
     freedom: int = 0
     has_series: bool = False
+    is_sharpened: bool = False
 
 
 @dataclass(frozen=True)
@@ -167,8 +170,9 @@ def moved_in(model: Model) -> dict[str, tuple[Parameter, ...]]:
 
 
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
-    """Search about the fit of a cause whose error is jagged, and score it anew."""
-    return scored(candidate.effects, sharpened(candidate.fit), holdout)
+    """Search about the fit of a cause whose error is jagged; return what comes nearer, that or the cause as it was."""
+    found = scored(candidate.effects, sharpened(candidate.fit), holdout)
+    return replace(min(candidate, found, key=lambda each: each.score.misfit), is_sharpened=True)
 
 
 def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:

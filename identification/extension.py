@@ -65,6 +65,9 @@ FIRST_LOOK, FIRST_LOOK_OF_BRISTLES, FIRST_LOOK_JAGGED, FIRST_LOOK_AT_LAWS = 6, 8
 """Points of a search while starts are compared, where the error has more minima, where each has its own slopes, and
 where laws of stick-slip are compared beside another effect."""
 
+FURTHER = 2
+"""Points on which a derivative serves while the best start is followed further."""
+
 CLOSE = 1.5
 """Error over the best one's up to which another form of an effect is followed to its end as well."""
 
@@ -204,7 +207,8 @@ def extended(
         groups = [trials] if effect.is_jagged else promising(fit, apart)
         if is_searched:
             groups.append([placed(fit, effect, trials)])
-        searched = [followed(fit, effect, group) for group in groups]
+        # What a lag takes over is of no form: one of the groups begins there as well.
+        searched = [followed(fit, effect, group, trades=group is groups[0]) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
@@ -213,7 +217,8 @@ def extended(
     begun = [(each, found.point) for each, found in searched if found.error < CLOSE * best.error]
     if best.error < WORTH_FOLLOWING * fit.found.error:
         # Another form may be lost in a side minimum: it goes on from where the best one came, too.
-        begun += [(each, best.point) for each, _ in searched if is_another_form(effect, each, problem)]
+        others = {form_of(effect, each): each for each, _ in searched if is_another_form(effect, each, problem)}
+        begun += [(each, best.point) for each in others.values()]
     ended = [(each, descend_to_end(each, point)) for each, point in begun]
     return finished(*min(ended, key=lambda pair: pair[1].error))
 
@@ -236,7 +241,7 @@ def glanced_down(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem
     """Follow the most promising start a few points down, and what else it may begin as; no worse than without."""
     plain = first_plain(fit, trials)
     starts = [(plain.problem, plain.point)]
-    starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
+    starts += starts_traded(fit, effect)
     if makes_pressure(effect):
         starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
     problem, best = nearest_descended(starts, evaluations=GLANCE)
@@ -347,13 +352,13 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
-def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
-    """Follow the most promising starts some way down, and the best of them further.
+def followed(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool = True) -> tuple[Problem, Found]:
+    """Follow the most promising starts some way down, if it `trades` what a lag takes over as well; the best further.
 
     Base parameters that the effect frees move last, from where all else has come: from afar they lead astray. Where
     the readings come in coarse steps they do so until the search is at its end.
     """
-    problem, best = looked_down(fit, effect, group)
+    problem, best = looked_down(fit, effect, group, trades=trades)
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
     return (
         (problem, best)
@@ -362,14 +367,15 @@ def followed(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Fou
     )
 
 
-def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, Found]:
+def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further, without what the effect frees."""
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
-    starts += [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
+    if trades:
+        starts += starts_traded(fit, effect)
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -379,6 +385,11 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial]) -> tuple[Problem, 
         return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=1)
     first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
     return best_descended(starts, first=first, further=10, precision=1e-3)
+
+
+def starts_traded(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
+    """Return where a lag takes over what the base valve has too much of, as a start; none where there is nothing."""
+    return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:
@@ -446,7 +457,9 @@ def best_descended(
 ) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
     problem, best = nearest_descended(starts, evaluations=first, renewed=renewed)
-    return problem, descend(problem, best.point, evaluations=further, precision=precision, renewed=renewed)
+    return problem, descend(
+        problem, best.point, evaluations=further, precision=precision, renewed=min(renewed, FURTHER)
+    )
 
 
 def nearest_descended(

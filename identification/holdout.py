@@ -29,6 +29,12 @@ class Holdout:
     scored_experiments: tuple[Experiment, ...]
     scored: tuple[np.ndarray, ...]
     scored_on: str
+    kept: int = EVERY - 1
+
+    @property
+    def has_blocks(self) -> bool:
+        """Whether blocks in time of one record are kept back."""
+        return self.experiments == self.scored_experiments
 
     @cached_property
     def scored_on_rests(self) -> tuple[Experiment, ...]:
@@ -51,8 +57,14 @@ class Holdout:
         return float(np.sqrt((squares * counts).sum() / counts.sum()))
 
 
-def hold_out(experiments: Sequence[Experiment]) -> Holdout:
+def hold_out(experiments: Sequence[Experiment], kept: int = EVERY - 1) -> Holdout:
     """Split experiments into what is fitted and what is scored.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+    kept : int
+        Which of every `EVERY` blocks in time of a single record is kept back, from 0.
 
     Raises
     ------
@@ -68,12 +80,12 @@ def hold_out(experiments: Sequence[Experiment]) -> Holdout:
             (measured[-1],),
             "other records",
         )
-    kept = experiments[0].block % EVERY == EVERY - 1
+    is_kept = experiments[0].block % EVERY == kept
     whole = (experiments[0],)
-    if not (measured[0] & kept).any() or not (measured[0] & ~kept).any():
+    if not (measured[0] & is_kept).any() or not (measured[0] & ~is_kept).any():
         raise InputError(
             "a record must be long enough to keep a part of it back",
             f"{experiments[0].name} has {measured[0].sum()} samples",
             "record longer, or give a second record",
         )
-    return Holdout(whole, (measured[0] & ~kept,), whole, (measured[0] & kept,), "held-out blocks")
+    return Holdout(whole, (measured[0] & ~is_kept,), whole, (measured[0] & is_kept,), "held-out blocks", kept)

@@ -14,14 +14,16 @@ from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.looks import look_alone, look_beside
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
+from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
 from identification.bent_lines import bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
-from identification.fit import fit_base
+from identification.fit import Fit, fit_base
 from identification.holdout import hold_out
 from identification.search import errors
+from identification.sharpening import sharpened
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
@@ -241,15 +243,19 @@ def test_a_search_about_a_jagged_fit_comes_nearer_to_what_it_was_given(given, se
     _, holdout, base = plant_and_base(given, seed, "sensor_drift", "static_friction", reach=np.inf)
     drift = try_effect(Work(base, ("sensor_drift",), is_global=False), holdout).fit
     pair = try_effect(Work(drift, ("sensor_drift", "static_friction"), is_global=True), holdout)
-    sharper = sharpen(pair, holdout)
-    assert sharper.effects == pair.effects
-    assert error_in_both_runs(sharper) < 0.95 * error_in_both_runs(pair)
-    assert error_in_both_runs(sharpen(sharper, holdout)) <= error_in_both_runs(sharper)
+    sharper = sharpened(pair.fit)
+    assert error_in_both_runs(sharper) < 0.95 * error_in_both_runs(pair.fit)
+    assert error_in_both_runs(sharpened(sharper)) <= error_in_both_runs(sharper)
+    kept = sharpen(pair, holdout)
+    assert kept.effects == pair.effects
+    assert kept.score.misfit <= pair.score.misfit
+    assert blunt([pair], pair) == [pair]
+    assert blunt([kept], pair) == []
 
 
-def error_in_both_runs(candidate: Candidate) -> float:
+def error_in_both_runs(fit: Fit) -> float:
     """Return the geometric mean of the errors of the free and of the re-anchored run on the fitted samples."""
-    free, point = candidate.fit.problem, candidate.fit.found.point
+    free, point = fit.problem, fit.found.point
     both = [errors(each, point[None, :])[0] for each in (free, replace(free, is_anchored=True))]
     return float(np.sqrt(np.prod(both)))
 

@@ -252,13 +252,15 @@ def test_stairs_that_another_effect_hides_are_seen_beside_it(given, sticking, al
         Candidate(("area_variation", other), base, score_of(*[pair] * 6)),
         Candidate(("area_variation", other, "load_force"), base, score_of(*[0.9 * pair] * 6)),
     ]
-    seen = stairs_beside(tried, [sticking], given)
+    holdout = hold_out([sticking], kept=0)
+    seen = stairs_beside(tried, [sticking], holdout, given)
     assert (seen is not None) == is_seen
     if seen is not None:
         (stepped,), parted, tempered = seen
         assert math.isfinite(stepped.reach)
         assert tempered.problem.experiments == parted.experiments
-        assert stairs_beside(tried, [stepped], given) is None
+        assert parted.kept == 0
+        assert stairs_beside(tried, [stepped], parted, given) is None
 
 
 def test_an_unknown_cause_is_never_certain(quiet, refitted):
