@@ -82,8 +82,9 @@ WORTH_FOLLOWING, WORTH_FOLLOWING_BESIDE = 0.3, 0.9
 another effect, where a global search ends nowhere exact."""
 
 
-EXPLAINED = 0.8
-"""Share of a fit's error at the slips below which an effect must come for the search to go on from there."""
+EXPLAINED, NEAR_KIN = 0.8, 1.5
+"""Share of a fit's error at the slips below which an effect must come for the search to go on from there, and of the
+error of another law of stick-slip: on a line that is held the right law may leave more than a wrong one that is not."""
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,7 @@ def extend(
             is_thorough=is_thorough,
         )
     stepped = finished(*search_near(begun))
-    if effect.is_chaotic or stepped.found.error < LAWFUL * stepped.problem.noise_error:
+    if (effect.is_chaotic and kin is None) or stepped.found.error < LAWFUL * stepped.problem.noise_error:
         return stepped
     # Breakaways of another law lie on no line.
     return min(stepped, extended(fit, effect, known, kin, is_thorough=is_thorough), key=lambda each: each.found.error)
@@ -315,16 +316,18 @@ def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None, line: Line | None
     Returns
     -------
     list of SlipSearch
-        Empty where there are no stairs, or where the slips are not explained much better than without the effect, or
-        than by its kin.
+        Empty where there are no stairs, or where the slips are not explained much better than without the effect or by
+        its kin, or nearly as well as by another law.
     """
     line = line or line_of_stairs(fit.problem, fit.found.point)
     if line is None:
         return []
     begun = search_slips(effect, line, forms_of(fit, effect))
-    rivals = [each for each in (fit, kin) if each is not None]
-    least = min(error_at_rests(each.problem, each.found.point) for each in rivals)
-    return begun if begun[0].found.error < EXPLAINED * least else []
+    far = EXPLAINED * error_at_rests(fit.problem, fit.found.point)
+    if kin is not None:
+        share = EXPLAINED if breakaway_of(kin) is None else NEAR_KIN
+        far = min(far, share * error_at_rests(kin.problem, kin.found.point))
+    return begun if begun[0].found.error < far else []
 
 
 @threadpool_limits.wrap(limits=1)
