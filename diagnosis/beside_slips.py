@@ -80,8 +80,8 @@ def beside_slips(
     line = straight_line(base.fit)
     on_top = beside_the_best(alone, laws[0])
     # Where all breakaways lie on the line as it is, only slips tell; a law that gains little alone has none there.
-    gains = is_best_alone(laws[0], alone) or misfit(laws[0]) < SOME * misfit(base)
-    if line is None or (line.is_explained and not gains):
+    is_best = is_best_alone(laws[0], alone)
+    if line is None or (line.is_explained and not is_best and misfit(laws[0]) > SOME * misfit(base)):
         return try_all(on_top, holdout, pool, progress, WHAT)
     progress("what sets how far the slips go", 0.0)
     keys = [law.effects[0] for law in laws[:MAKERS]]
@@ -102,7 +102,7 @@ def beside_slips(
     ]
     looked = look_beside(worth, keys, pool, at_slips.error)
     if not any(each.slips for each in looked):
-        known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if not line.is_explained]
+        known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     return try_all(nearest_at_slips(looked, at_slips.error), holdout, pool, progress, WHAT)
 

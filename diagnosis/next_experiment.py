@@ -138,9 +138,9 @@ def next_experiment(
         polish=False,
         rng=np.random.default_rng(seed),
     )
-    finalists = found.population[np.argsort(found.population_energies)[:FINALISTS]]
-    profiles = [profile_of(design, limits, period) for design in finalists]
-    time, current = max(profiles, key=lambda profile: left_by_refits(rivals, diagnosis.experiments, *profile)[0])
+    order = np.argsort(found.population_energies)[:FINALISTS]
+    profiles = [profile_of(found.population[number], limits, period) for number in order]
+    time, current = best_by_refits(rivals, diagnosis.experiments, profiles, -found.population_energies[order])
     separation, pair = judged(rivals, diagnosis.experiments, time, current)
     return NextExperiment(
         name=name,
@@ -165,6 +165,31 @@ def judged(
         separation["pressure_now"] = left_by_refits(rivals, present, *now, with_gauge=True)[0]
         separation["profile_and_pressure"] = left_by_refits(rivals, present, time, current, with_gauge=True)[0]
     return separation, pair
+
+
+def best_by_refits(
+    rivals: Sequence[Rival],
+    present: Sequence[Experiment],
+    profiles: Sequence[tuple[np.ndarray, np.ndarray]],
+    promised: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the profile, time [s] and current [A], under which refitted rivals differ most.
+
+    Parameters
+    ----------
+    profiles : sequence of (time, current)
+        The one first that promises most to first order.
+    promised : array, shape (profiles,)
+        Separations to first order: a refit leaves no more, and what is within the noise tells nothing apart.
+    """
+    best, most = profiles[0], 0.0
+    for profile, promise in zip(profiles, promised, strict=True):
+        if promise < max(most, 1.0):
+            break
+        left, _ = left_by_refits(rivals, present, *profile)
+        if left > most:
+            best, most = profile, left
+    return best
 
 
 def left_by_refits(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from diagnosis import next_experiment as designing
 from diagnosis.next_experiment import SEGMENTS, Limits, first_designs, next_experiment, profile_of
 from diagnosis.separation import blank_experiment, least_separation, rival_of, separations
 from diagnosis.trying import Candidate, Work, try_effect
@@ -89,3 +90,23 @@ def test_two_of_the_same_model_cannot_be_told_apart(quiet, given: Model):
     twins = [rival_of((), fit), rival_of((), fit)]
     time, current = profile_of(first_designs(np.random.default_rng(0))[1], Limits(duration=20.0), 0.02)
     assert separations(twins, blank_experiment(time, current, noise=quiet.noise)) == {(0, 1): 0.0, (1, 0): 0.0}
+
+
+@pytest.mark.parametrize(
+    ("promised", "left", "chosen", "refitted"),
+    [
+        ((90.0, 80.0, 70.0, 2.0), (4.0, 9.0, 75.0, 90.0), 2, 3),  # the last one promises less than is left
+        ((90.0, 80.0, 70.0, 2.0), (1.5, 1.6, 1.2, 1.9), 3, 4),
+        ((0.6, 0.5, 0.4, 0.3), (0.1, 0.2, 0.3, 0.3), 0, 0),  # within the noise
+    ],
+)
+def test_the_best_profile_by_refits_is_chosen(monkeypatch, promised, left, chosen, refitted):
+    asked = []
+    profiles = [(np.array([0.0, 1.0]), np.full(2, 1e-3 * number)) for number in range(4)]
+    of_current = {1e-3 * number: value for number, value in enumerate(left)}
+    monkeypatch.setattr(
+        designing, "left_by_refits", lambda *given: (asked.append(given) or of_current[given[-1][0]], None)
+    )
+    best = designing.best_by_refits([], [], profiles, np.array(promised))
+    assert best is profiles[chosen]
+    assert len(asked) == refitted
