@@ -18,7 +18,7 @@ from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
 from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
-from diagnosis.parts import evenly_parted
+from diagnosis.parts import evenly_parted, parted
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
@@ -278,8 +278,7 @@ def diagnose_with(
     experiments, slowness = with_sampling_error(as_read, base)
     sampling_error = largest_error(experiments, as_read)
     if slowness:
-        holdout = hold_out(experiments)
-        base = fit_base(model, holdout.experiments, holdout.fitted)
+        holdout, base = parted(experiments, model)
     holdout, base = evenly_parted(holdout, base, model)
     experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
     first = Candidate((), base, score_fit(base, holdout))

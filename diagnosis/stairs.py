@@ -8,12 +8,13 @@ from dataclasses import replace
 
 from diagnosis.beside_slips import bends_to_stairs
 from diagnosis.explaining import GOOD_ENOUGH, misfit
+from diagnosis.parts import parted
 from diagnosis.standing import best_of
 from diagnosis.trying import Candidate, Progress
 from identification.experiment import Experiment
 from identification.extension import extend, slips_by
-from identification.fit import Fit, fit_base
-from identification.holdout import Holdout, hold_out
+from identification.fit import Fit
+from identification.holdout import Holdout
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
 from valvemodel.declarations import Effect
@@ -83,8 +84,7 @@ def tempered(
     stepped = with_stairs(experiments, base)
     if stepped == experiments:
         return None
-    parted = hold_out(stepped, holdout.kept)
-    return stepped, parted, fit_base(model, parted.experiments, parted.fitted)
+    return stepped, *parted(stepped, model, holdout.kept)
 
 
 def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:

@@ -136,12 +136,14 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     A whole series of waves has too many numbers for it.
     """
     near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
-    near = [each for each in near if not each.has_series and not each.is_sharpened]
     return [
         each
         for each in near
-        if (each.fit.problem.is_in_steps and misfit(each) > 1.0)
-        or ((is_blunt(each) or loses_phase(each)) and not explains(each, base))
+        if not (each.has_series or each.is_sharpened)
+        and (
+            (each.fit.problem.is_in_steps and misfit(each) > 1.0)
+            or ((is_blunt(each) or loses_phase(each)) and not explains(each, base))
+        )
     ]
 
 

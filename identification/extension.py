@@ -363,11 +363,9 @@ def followed(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool = Tru
     """
     problem, best = looked_down(fit, effect, group, trades=trades)
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
-    return (
-        (problem, best)
-        if freed is problem
-        else (freed, descend(freed, point, evaluations=10, precision=1e-3, renewed=RENEWED))
-    )
+    if freed is problem:
+        return problem, best
+    return freed, descend(freed, point, evaluations=10, precision=1e-3, renewed=RENEWED)
 
 
 def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> tuple[Problem, Found]:
