@@ -43,6 +43,9 @@ LEAST_SHARE_DEAR = 0.05
 """The same of an effect whose runs are dear, whatever else comes near: of 67 in blind pairs of our own none took in
 less than 0.066."""
 
+OUT_OF_PHASE = 100.0
+"""Squared error beyond which no pair is out of phase alone. [noise^2]"""
+
 MOST_NEARLY = 4
 """Best causes of one effect that are searched for from every start where they nearly explain the record."""
 
@@ -54,10 +57,16 @@ def try_first(
     alone = try_alone(base, holdout, library, pool, progress)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    pairs = beside_slips(alone, holdout, pool, progress)
-    # The error of a free run that lost the phase of its slips says little: from the re-anchored one it gets it back.
-    lost = [each for each in blunt(best_of(pairs, 2), base) if loses_phase(each)]
-    return [*alone, *with_better(pairs, sharpen_all(lost, holdout, pool, progress))]
+    return [*alone, *beside_slips(alone, holdout, pool, progress)]
+
+
+def in_phase(tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress) -> list[Candidate]:
+    """Return what was tried, with the best pairs that lose the phase of their slips searched about, the base first.
+
+    The error of a free run that lost it says little: from the re-anchored one it gets it back.
+    """
+    lost = [each for each in blunt(best_of(tried, 2), tried[0]) if loses_phase(each) and misfit(each) < OUT_OF_PHASE]
+    return with_better(tried, sharpen_all(lost, holdout, pool, progress))
 
 
 def try_alone(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from diagnosis.alone import library_for, try_first
+from diagnosis.alone import in_phase, library_for, try_first
 from diagnosis.base_numbers import BaseNumber, base_numbers
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
@@ -284,9 +284,10 @@ def diagnose_with(
     first = Candidate((), base, score_fit(base, holdout))
     tried = try_first(first, holdout, library, pool, progress)
     seen = stairs_beside(tried, experiments, holdout, model)
-    if not seen:
-        tried = try_together(tried, holdout, pool, progress)
-        seen = stairs_beside(tried, experiments, holdout, model)
+    for further in (in_phase, try_together):
+        if not seen:
+            tried = further(tried, holdout, pool, progress)
+            seen = stairs_beside(tried, experiments, holdout, model)
     if seen:
         experiments, holdout, base = seen
         first = Candidate((), base, score_fit(base, holdout))

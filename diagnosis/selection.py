@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 
-from diagnosis.alone import try_first
+from diagnosis.alone import in_phase, try_first
 from diagnosis.explaining import AT_NOISE, any_explains, explains, leaves_nothing_to_tell, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
@@ -75,7 +75,8 @@ def select(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
     """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
-    return try_together(try_first(base, holdout, library, pool, progress), holdout, pool, progress)
+    first = in_phase(try_first(base, holdout, library, pool, progress), holdout, pool, progress)
+    return try_together(first, holdout, pool, progress)
 
 
 def try_together(
@@ -213,8 +214,8 @@ def with_kindred(
     alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
     known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
     known = exchanged_anew(known, led, holdout, pool, progress)
-    for choice in (best_of(known, 2), aliases_of_best(known)):
-        known = with_better(known, sharpen_all(blunt(choice, known[0]), holdout, pool, progress))
+    for choice_of in (partial(best_of, size=2), aliases_of_best):
+        known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
     return known
 
 

@@ -176,8 +176,9 @@ def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
 
 
 def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:
-    """Fit a cause again from the given valve's mass, and score it anew."""
-    return scored(candidate.effects, with_given_mass(candidate.fit), holdout)
+    """Fit a cause again from the given valve's mass, and score it anew; the cause as it was where that is in vain."""
+    fit = with_given_mass(candidate.fit)
+    return candidate if fit is candidate.fit else scored(candidate.effects, fit, holdout)
 
 
 def trace_of(fit: Fit, holdout: Holdout) -> float:

@@ -69,12 +69,13 @@ def sharpened(fit: Fit) -> Fit:
 
 
 def sharpened_in_phase(fit: Fit) -> Fit:
-    """Return the best of searches about a fit by the re-anchored run, each nearer than the one before."""
+    """Return the best of searches about a fit by the re-anchored run, each nearer than the one before it, if any."""
     best = fit.found
     for number, widest in enumerate(WIDTHS_IN_PHASE):
+        before = best.error
         found = searched_about(fit.problem, best.point, number, widest)
         best = min(best, found, key=lambda each: each.error)
-        if best.error <= fit.problem.noise_error:
+        if best.error <= fit.problem.noise_error or best.error > WORTH_A_ROUND * before:
             break
     return finished(fit.problem, min(best, descend(fit.problem, best.point), key=lambda each: each.error))
 

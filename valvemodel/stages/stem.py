@@ -661,13 +661,20 @@ def room_to(state, side):
     return state.span_highest - state.position if side > 0.0 else state.position - state.span_lowest
 
 
+@inlined
+def speed_power(p, relative):
+    """Return a relative speed to the power of the law's shape."""
+    if p.stribeck_shape == 1.0:
+        return relative
+    # A power of any exponent takes as long as all other forces on a slip.
+    return relative * relative if p.stribeck_shape == 2.0 else abs(relative) ** p.stribeck_shape
+
+
 @compiled
 def stribeck_share(p, speed):
     """Return the share of the drop that is left at a speed."""
     # A trial may run past the stop; the friction goes on smoothly there.
-    relative = max(speed / p.stribeck_velocity, -0.5)
-    if p.stribeck_shape != 1.0:
-        relative = abs(relative) ** p.stribeck_shape
+    relative = speed_power(p, max(speed / p.stribeck_velocity, -0.5))
     share = math.exp(-relative)
     if p.stribeck_tail != 0.0:
         share += p.stribeck_tail * (1.0 / (1.0 + relative) - share)
@@ -684,9 +691,11 @@ def stribeck_excess(p, coulomb, speed):
 def stribeck_slope(p, coulomb, speed):
     """Return by how much that friction falls with the speed. [N s/m]"""
     relative, steepness = speed / p.stribeck_velocity, 1.0
-    if p.stribeck_shape != 1.0:
+    if p.stribeck_shape == 2.0:
+        steepness = 2.0 * relative
+    elif p.stribeck_shape != 1.0:
         steepness = p.stribeck_shape * relative ** (p.stribeck_shape - 1.0)
-        relative = relative**p.stribeck_shape
+    relative = speed_power(p, relative)
     share = math.exp(-relative)
     if p.stribeck_tail != 0.0:
         share += p.stribeck_tail * (1.0 / ((1.0 + relative) * (1.0 + relative)) - share)
