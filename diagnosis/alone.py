@@ -60,7 +60,9 @@ def try_first(
     return [*alone, *beside_slips(alone, holdout, pool, progress)]
 
 
-def in_phase(tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress) -> list[Candidate]:
+def in_phase(
+    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
     """Return what was tried, with the best pairs that lose the phase of their slips searched about, the base first.
 
     The error of a free run that lost it says little: from the re-anchored one it gets it back.

@@ -98,6 +98,7 @@ class Looks:
     def __init__(self, bent: Sequence[BentLine], pool: Executor | None) -> None:
         self.bent, self.map = bent, pool.map if pool else map
         self.held: dict[tuple[str, ...], Look] = {}
+        self.searched: set[tuple[str, ...]] = set()
         self.loose: dict[SlipSearch, SlipSearch] = {}
 
     @property
@@ -128,9 +129,11 @@ class Looks:
         self.search([each for each in others if each.work.effects not in self.held])
 
     def search(self, begun: Sequence[Look]) -> None:
-        """Search for the law of each look in all its forms."""
-        slips = self.map(slips_of, [each.work for each in begun], [each.line for each in begun])
-        self.add([replace(look, slips=found) for look, found in zip(begun, slips, strict=True)])
+        """Search for the law of each look in all its forms, unless that was done."""
+        new = [each for each in begun if each.work.effects not in self.searched]
+        self.searched |= {each.work.effects for each in new}
+        slips = self.map(slips_of, [each.work for each in new], [each.line for each in new])
+        self.add([replace(look, slips=found) for look, found in zip(new, slips, strict=True)])
 
     def add(self, looks: Sequence[Look]) -> None:
         """Add what was looked at to what is known of the same effect and law."""

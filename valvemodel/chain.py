@@ -74,9 +74,9 @@ def maps_plainly(p):
 
 
 @compiled
-def plan_run(p, state, driven_by, tolerance):
+def plan_run(p, state, memory, driven_by, tolerance):
     """Write down once a run what does not change during it."""
-    plan_stem(p, state, tolerance)
+    plan_stem(p, state, memory, tolerance)
     state.lag_duration = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     state.plan_current = driven_by == CURRENT
@@ -89,7 +89,7 @@ def plan_run(p, state, driven_by, tolerance):
 @apart(RECORDS, 4)
 def start_chain(p, state, memory, drive, driven_by, time, tolerance):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
-    plan_run(p, state, driven_by, tolerance)
+    plan_run(p, state, memory, driven_by, tolerance)
     if driven_by == CURRENT:
         rest_electromagnet(p, state, drive)
         gap = gap_of_current(p, state.hysteresis_input, time)
@@ -182,7 +182,7 @@ def slip_on(p, state, memory, pressure, time, duration, tolerance):
 @inlined
 def move_stem(p, state, memory, pressure, time, duration, tolerance):
     """Move stem and sensor through a duration under a held pressure, event by event."""
-    if glides(p, state, pressure, duration):
+    if glides(p, state, memory, pressure, duration):
         drag_linkage(p, state)
     else:
         slip_on(p, state, memory, pressure, time, duration, tolerance)
@@ -227,6 +227,12 @@ def hold_current(p, state, memory, drive, time, duration, tolerance):
         hold_drive(p, state, memory, drive, time, duration, tolerance)
 
 
+@inlined
+def whole_duration(span):
+    """Return a duration in whole ticks: those that differ by rounding alone share their closed forms. [s]"""
+    return math.floor(span * TICKS + 0.5) / TICKS
+
+
 @apart(RECORDS, 4)
 def hold_delayed(p, state, memory, drive, time, duration, tolerance):
     """Let a current enter the line and hold what comes out of it: its switches fall inside the periods."""
@@ -235,16 +241,13 @@ def hold_delayed(p, state, memory, drive, time, duration, tolerance):
     while True:
         arrived = leave_line(memory, p.transport_delay, instant)
         following = next_arrival(memory, p.transport_delay, end)
-        hold_current(p, state, memory, arrived, instant, following - instant, tolerance)
+        span = following - instant
+        # An exact run is not shifted by a part of a tick.
+        span = whole_duration(span) if is_coarse(tolerance) else span
+        hold_current(p, state, memory, arrived, instant, span, tolerance)
         if following == end:
             return
         instant = following
-
-
-@inlined
-def whole_duration(span):
-    """Return a duration in whole ticks: those that differ by rounding alone share their closed forms. [s]"""
-    return math.floor(span * TICKS + 0.5) / TICKS
 
 
 @inlined

@@ -10,8 +10,9 @@ import numpy as np
 
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.stages import EFFECTS
+from valvemodel.stages.lag import LAGS
 from valvemodel.stages.line import CAPACITY
-from valvemodel.stages.nodes import NODES, ORDER
+from valvemodel.stages.nodes import NODES, ORDER, REMEMBERED
 from valvemodel.stages.plays import PLAYS
 from valvemodel.stages.sliders import SLIDERS
 
@@ -94,6 +95,9 @@ RESPONSE = np.dtype(
 )  # fmt: skip
 """Type of what is known of a linear slip over the nodes of a step."""
 
+GLIDE = np.dtype([(name, "f8") for name in ("duration", "side", "vv", "vf", "yv", "yf", "yy", "vy")])
+"""Type of what is known of a glide over a duration of one slip."""
+
 MEMORY = np.dtype(
     [
         ("line_entered", "f8"),
@@ -103,8 +107,10 @@ MEMORY = np.dtype(
         ("notes_events", "f8"),
         ("events_noted", "f8"),
         ("events", EVENT, (MOST_NOTED,)),
-        ("lags", LAG, (7,)),
-        ("responses", RESPONSE, (1,)),
+        ("lags", LAG, (LAGS, REMEMBERED)),
+        ("lag_turns", "f8", (LAGS,)),
+        ("responses", RESPONSE, (REMEMBERED,)),
+        ("glides", GLIDE, (REMEMBERED,)),
     ]
     + [
         (name, "f8")
@@ -114,6 +120,7 @@ MEMORY = np.dtype(
             "end_share", "end_supply", "end_supplied", "end_chamber", "end_filled",
             "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
             "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",
+            "response_place", "response_turn", "glide_turn",
         )
     ]
     + [

@@ -83,7 +83,7 @@ def glide_along(p, state, memory, time, pressures, tolerance, positions):
                 positions[sample] = linkage
         else:
             duration = whole_duration(time[sample + ONE] - time[sample])
-            remember_glide(p, state, side, duration)
+            remember_glide(p, state, memory, side, duration)
             yy, yv, yf = state.quiet_yy, state.quiet_yv, state.quiet_yf
             vy, vv, vf = state.quiet_vy, state.quiet_vv, state.quiet_vf
             friction = state.quiet_friction

@@ -51,7 +51,9 @@ def test_refinement_moves_little(key):
     default = run(model, TIME[some], CURRENT[some])
     for tolerance, bound in ((FINE_TOLERANCE, 1e-9), (SEARCH_TOLERANCE, 5e-5)):
         other = run(model, TIME[some], CURRENT[some], tolerance=tolerance)
-        assert np.abs(default - other).max() <= (bound if key in INTEGRATED else 0.0)
+        # What a line delays is held for whole ticks in a coarse run, which is rounding.
+        held = 1e-14 if key == "transport_delay" else 0.0
+        assert np.abs(default - other).max() <= (bound if key in INTEGRATED else held)
 
 
 def test_pairs_of_effects_stay_finite_and_within_reason():

@@ -6,7 +6,7 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.chamber import KEPT, SWEEPS
-from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.lag import AMPLIFIER_LAG, follow_nodes, remembered_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, left_out
 from valvemodel.stages.nozzle import stiffness_of_gas, time_to_fill, time_to_vent
 
@@ -69,14 +69,12 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
                 return node - 0.5
         return math.inf
     if p.orifice_share == 0.0:
-        remember_lag(memory.lags[2], 1.0 / time_constant, spacing, count)
-        for node in range(count + 1):
-            memory.forces[node] = aims[node] / time_constant
-        follow_nodes(memory.lags[2], start, memory.forces, memory.powers, pressures)
+        follow_through_ports(state, memory, time_constant, spacing, count)
     elif not follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
         return 0.5 * count
     fit_powers(count, aims, memory.powers)
-    if left_out(count, memory.powers) * (1.0 - memory.lags[2].decay[count]) > kept:
+    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
+    if left_out(count, memory.powers) * (1.0 - lag.decay[count]) > kept:
         return 0.5 * count
     for node in range(count + 1):
         memory.forces[node] = side * (aims[node] - pressures[node]) + rounding
@@ -89,14 +87,24 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
     return end
 
 
+@inlined
+def follow_through_ports(state, memory, time_constant, spacing, count):
+    """Write the pressures at the nodes as a first-order lag lets them follow."""
+    state.filled_rate = 1.0 / time_constant
+    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
+    for node in range(count + 1):
+        memory.forces[node] = memory.values[node] / time_constant
+    follow_nodes(lag, state.filled_pressure, memory.forces, memory.powers, memory.pressures)
+
+
 @compiled
 def follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
     """Write the pressures at the nodes as orifices let them follow; return whether the passes came to a stand."""
-    aims, pressures, lag, start = memory.values, memory.pressures, memory.lags[2], state.filled_pressure
+    aims, pressures, start = memory.values, memory.pressures, state.filled_pressure
     rate = quickness(p, start, aims[0]) / time_constant
     if not abs(rate - state.filled_rate) * spacing * count <= KEPT:
         state.filled_rate = rate
-    remember_lag(lag, state.filled_rate, spacing, count)
+    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
     for node in range(count + 1):
         pressures[node] = aims[node] + (start - aims[node]) * lag.decay[node]
     before = math.inf

@@ -8,7 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 from valvemodel.stages.creep import creep_parameters, crept
-from valvemodel.stages.lag import in_series, longer_and_shorter, remember_lag
+from valvemodel.stages.lag import COIL_LAG, EDDY_LAG, in_series, longer_and_shorter, remembered_lag
 from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays, used_up
 
 TURNED = 1e-9
@@ -282,14 +282,14 @@ def lay_currents(p, state, memory, current, spacing, count):
     Return where they have a kink, in spacings.
     """
     current = followed_by_lags(p, state, current)
-    lag, shorter_lag, flux, less_lagged = memory.lags[3], memory.lags[6], current, current
+    flux, less_lagged = current, current
     memory.end_input, memory.end_hysteresis = state.hysteresis_input, state.hysteresis
     has_core = p.lag_behind_core == 0.0
     longer, shorter = longer_and_shorter(p.coil_time_constant, p.eddy_time_constant)
     if longer > 0.0:
-        remember_lag(lag, 1.0 / longer, spacing, count)
+        lag = remembered_lag(memory, COIL_LAG, 1.0 / longer, spacing, count)
     if shorter > 0.0:
-        remember_lag(shorter_lag, 1.0 / shorter, spacing, count)
+        shorter_lag = remembered_lag(memory, EDDY_LAG, 1.0 / shorter, spacing, count)
     for node in range(count + 1):
         if longer > 0.0:
             flux = current + (state.flux_current - current) * lag.decay[node]

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.nodes import CHOOSE, fit_powers
+from valvemodel.stages.nodes import CHOOSE, REMEMBERED, fit_powers
+
+SUPPLY_LAG, CHAMBER_LAG, AMPLIFIER_LAG, COIL_LAG, EDDY_LAG, READING_LAG, SHORTER_READING_LAG = range(7)
+LAGS = 7
+"""Which lags there are, and how many."""
 
 LONG = 8.0
 """Rate times spacing from which the responses are taken upwards; below, the power series is summed."""
@@ -30,11 +34,24 @@ def in_series(longer, shorter, by_longer, by_shorter):
     return by_longer + shorter / (longer - shorter) * (by_longer - by_shorter)
 
 
+@inlined
+def remembered_lag(memory, which, rate, spacing, count):
+    """Return what is known of one of the lags at a rate over a spacing, laid anew unless it was among the last few."""
+    lag = memory.lags[which, 0]
+    for place in range(REMEMBERED):
+        lag = memory.lags[which, place]
+        if lag.rate == rate and lag.spacing == spacing and lag.count == count:
+            return lag
+    turn = int(memory.lag_turns[which])
+    memory.lag_turns[which] = (turn + 1) % REMEMBERED
+    lag = memory.lags[which, turn]
+    lay_lag(lag, rate, spacing, count)
+    return lag
+
+
 @compiled
-def remember_lag(lag, rate, spacing, count):
-    """Write down the decay and the responses to powers at all nodes, computed anew only where something changed."""
-    if lag.rate == rate and lag.spacing == spacing and lag.count == count:
-        return
+def lay_lag(lag, rate, spacing, count):
+    """Write down the decay and the responses to powers at all nodes."""
     lag.rate, lag.spacing, lag.count = rate, spacing, count
     short = rate * spacing
     decay, response = lag.decay, lag.response

@@ -8,6 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.linearised import advance_linearised
 from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.load import has_load
+from valvemodel.stages.nodes import REMEMBERED
 from valvemodel.stages.part import PRESSURE_SHARE, is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, time_on_bristles
 from valvemodel.stages.pressed import may_settle, settle_on_stop
@@ -57,7 +58,7 @@ BENT = 0.01
 
 
 @compiled
-def plan_stem(p, state, tolerance):
+def plan_stem(p, state, memory, tolerance):
     """Write down once a run what does not change during it."""
     state.plan_elastic = p.presliding_compliance * p.coulomb_friction > RIGID * tolerance
     state.plan_linear = is_linear(p) and state.plan_elastic == 0.0
@@ -108,6 +109,8 @@ def plan_stem(p, state, tolerance):
     state.plan_drift = fastest_drift(p)
     state.plan_hard_stop = p.stick_speed * p.stick_speed / PAST_STICKING
     state.known_duration = state.quiet_duration = -1.0
+    for place in range(REMEMBERED):
+        memory.glides[place].duration = -1.0
     state.trial_step, state.kept_length = math.inf, -1.0
     state.chamber_rate = state.filled_rate = math.nan
 
@@ -117,6 +120,12 @@ def plan_friction(p, state):
     """Write down the friction either way of a stem of plain forces, off any tight spot."""
     state.plan_rising_friction = sliding_friction(p, RISING, math.inf, 0.0, 0.0)
     state.plan_falling_friction = sliding_friction(p, FALLING, math.inf, 0.0, 0.0)
+    choose_friction(state)
+
+
+@inlined
+def choose_friction(state):
+    """Write down the friction of the glide that is known, which may have drifted since, with its sign."""
     state.quiet_friction = state.plan_rising_friction if state.quiet_side > 0.0 else -state.plan_falling_friction
 
 
@@ -145,10 +154,11 @@ def stays_clear(p, state, position, velocity):
 
 
 @inlined
-def glides(p, state, pressure, duration):
+def glides(p, state, memory, pressure, duration):
     """Move a stem through a duration if its forces are plain and nothing happens in it; return whether that was so."""
     position, velocity = state.position, state.velocity
-    return may_glide(p, state) and glide(p, state, pressure, duration) and stays_clear(p, state, position, velocity)
+    has_glided = may_glide(p, state) and glide(p, state, memory, pressure, duration)
+    return has_glided and stays_clear(p, state, position, velocity)
 
 
 @inlined
@@ -159,7 +169,7 @@ def glides_through_part(p, state, memory):
 
 
 @inlined
-def glide(p, state, pressure, duration):
+def glide(p, state, memory, pressure, duration):
     """Move a stem of plain forces through a duration if nothing happens in it, and return whether that was so.
 
     Nothing happens while the stem stays stuck, or slips at no less than the stop speed at both ends: a speed has at
@@ -171,7 +181,7 @@ def glide(p, state, pressure, duration):
         return -state.plan_falling_friction * state.plan_ratio <= net <= state.plan_rising_friction * state.plan_ratio
     if state.plan_glides == 0.0:
         return False
-    remember_glide(p, state, side, duration)
+    remember_glide(p, state, memory, side, duration)
     # In a closed loop the pressure comes last; all else is summed before.
     push = p.diaphragm_area * pressure - (p.spring_preload + state.quiet_friction)
     position = (state.quiet_yy * state.position + state.quiet_yv * state.velocity) + state.quiet_yf * push
@@ -188,10 +198,29 @@ def glide(p, state, pressure, duration):
 
 
 @inlined
-def remember_glide(p, state, side, duration):
+def remember_glide(p, state, memory, side, duration):
     """Write down what a glide over a duration to one side needs, where it is not the last one."""
     if state.quiet_duration != duration or state.quiet_side != side:
-        foresee_glide(p, state, side, duration)
+        recall_glide(p, state, memory, side, duration)
+
+
+@compiled
+def recall_glide(p, state, memory, side, duration):
+    """Write down what a glide over a duration to one side needs, laid anew unless it was among the last few."""
+    for place in range(REMEMBERED):
+        glide = memory.glides[place]
+        if glide.duration == duration and glide.side == side:
+            state.quiet_duration, state.quiet_side = duration, side
+            state.quiet_vv, state.quiet_vf, state.quiet_vy = glide.vv, glide.vf, glide.vy
+            state.quiet_yv, state.quiet_yf, state.quiet_yy = glide.yv, glide.yf, glide.yy
+            choose_friction(state)
+            return
+    foresee_glide(p, state, side, duration)
+    glide = memory.glides[int(memory.glide_turn)]
+    memory.glide_turn = (memory.glide_turn + 1.0) % REMEMBERED
+    glide.duration, glide.side = duration, side
+    glide.vv, glide.vf, glide.vy = state.quiet_vv, state.quiet_vf, state.quiet_vy
+    glide.yv, glide.yf, glide.yy = state.quiet_yv, state.quiet_yf, state.quiet_yy
 
 
 @compiled
@@ -233,7 +262,7 @@ def glide_part(p, state, memory):
         return False
     mass, speed = p.stem_mass, side * state.velocity
     damping = p.viscous_friction * (1.0 + p.viscous_asymmetry * side) / mass
-    remember_response(memory.responses[0], damping, p.spring_rate / mass, memory.part_spacing, count)
+    remember_response(memory, damping, p.spring_rate / mass, memory.part_spacing, count)
     friction = state.plan_rising_friction if side > 0.0 else state.plan_falling_friction
     net = side * (p.diaphragm_area * memory.part_powers[0] - hold) - friction
     memory.step_spacing, memory.step_speed, memory.step_start = memory.part_spacing, speed, net / mass - damping * speed

@@ -14,6 +14,9 @@ NODES = 5
 COARSE_NODES = 2
 """Spacings of a coarse run."""
 
+REMEMBERED = 4
+"""Durations or spacings of which what follows from them is remembered: a delay, or parts, come back to a few."""
+
 ORDER = 18
 """Highest power of time in the series of a swing on bristles."""
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from valvemodel.compiled import compiled
-from valvemodel.stages.nodes import CHOOSE, NODES
+from valvemodel.compiled import compiled, inlined
+from valvemodel.stages.nodes import CHOOSE, NODES, REMEMBERED
 
 LONG = 4.0
 """Fastest rate times spacing up to which the power series is summed; a longer spacing is halved first."""
@@ -19,16 +19,33 @@ SHARES = np.array([[math.factorial(p) / math.factorial(p + n + 2) for n in range
 """[power, order]: share of a term of the series in the way under a power of time, in squares of the time."""
 
 
+@inlined
+def response_of_step(memory):
+    """Return the response of the step that was laid last."""
+    return memory.responses[int(memory.response_place)]
+
+
 @compiled
-def remember_response(response, damping, stiffness, spacing, count):
-    """Write down the way from powers of time at all nodes, computed anew only where something changed.
+def remember_response(memory, damping, stiffness, spacing, count):
+    """Take a response as that of the step, laid anew unless it was among the last few."""
+    for place in range(REMEMBERED):
+        response = memory.responses[place]
+        is_same = response.damping == damping and response.stiffness == stiffness
+        if is_same and response.spacing == spacing and response.count == count:
+            memory.response_place = place
+            return
+    memory.response_place = memory.response_turn
+    memory.response_turn = (memory.response_turn + 1.0) % REMEMBERED
+    lay_response(response_of_step(memory), damping, stiffness, spacing, count)
+
+
+@compiled
+def lay_response(response, damping, stiffness, spacing, count):
+    """Write down the way from powers of time at all nodes.
 
     way[i, l] is the way up to node i under an acceleration (t / spacing)^l; impulse[i] that from a unit speed without
     a force, rate[i] its slope. All else follows from them.
     """
-    is_same = response.damping == damping and response.stiffness == stiffness
-    if is_same and response.spacing == spacing and response.count == count:
-        return
     response.damping, response.stiffness, response.spacing, response.count = damping, stiffness, spacing, count
     way, impulse, rate = response.way, response.impulse, response.rate
     respond(response, damping, stiffness, spacing, count)

@@ -16,7 +16,7 @@ from valvemodel.stages.presliding import (
     let_slide,
     with_sliders,
 )
-from valvemodel.stages.response import remember_response
+from valvemodel.stages.response import remember_response, response_of_step
 from valvemodel.stages.sliders import force_of_sliders, has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
@@ -97,7 +97,7 @@ def sweep_step(p, state, memory, length, count, tolerance):
     """Lay the motion over a step of a length; return its error over what is allowed, infinite where passes diverge."""
     memory.step_spacing, memory.step_count = length / count, count
     choose_linear_part(state, memory, length, count)
-    response, is_held = memory.responses[0], memory.part_count == 0.0
+    response, is_held = response_of_step(memory), memory.part_count == 0.0
     for node in range(1, count + 1):
         memory.step_pressures[node] = memory.step_pressures[0]
         if not is_held:
@@ -151,13 +151,14 @@ def sweep_step(p, state, memory, length, count, tolerance):
 @compiled
 def choose_linear_part(state, memory, length, count):
     """Take the linear part at the start of the step, or the last one where that serves as well."""
-    response, damping, stiffness = memory.responses[0], memory.step_damping, memory.step_stiffness
+    damping, stiffness = memory.step_damping, memory.step_stiffness
     if state.kept_length == length:
         off = abs(state.kept_stiffness - stiffness) * state.kept_way
         off += abs(state.kept_damping - damping) * state.kept_impulse
         if off <= KEPT:
             damping, stiffness = state.kept_damping, state.kept_stiffness
-    remember_response(response, damping, stiffness, memory.step_spacing, count)
+    remember_response(memory, damping, stiffness, memory.step_spacing, count)
+    response = response_of_step(memory)
     state.kept_length, state.kept_damping, state.kept_stiffness = length, damping, stiffness
     state.kept_way, state.kept_impulse = abs(response.way[count, 0]), abs(response.impulse[count])
 
@@ -165,7 +166,7 @@ def choose_linear_part(state, memory, length, count):
 @compiled
 def lay_pulls(p, state, memory, count):
     """Write by how much the stem is pulled more than the linear part says, over its mass, and the powers of that."""
-    response, side = memory.responses[0], memory.step_side
+    response, side = response_of_step(memory), memory.step_side
     if state.plan_elastic == 1.0:
         lay_bristles(p, state, memory, count)
     for node in range(1, count + 1):
@@ -179,7 +180,7 @@ def lay_pulls(p, state, memory, count):
 @compiled
 def lay_motion(memory, count):
     """Write ways and speeds at the nodes under the pulls, exact for their polynomial."""
-    response, powers = memory.responses[0], memory.pull_powers
+    response, powers = response_of_step(memory), memory.pull_powers
     speed, start, per_spacing = memory.step_speed, memory.step_start, 1.0 / memory.step_spacing
     for node in range(1, count + 1):
         impulse, way = response.impulse[node], response.way[node, 0]

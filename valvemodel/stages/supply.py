@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.lag import follow_nodes, remember_lag
+from valvemodel.stages.lag import SUPPLY_LAG, follow_nodes, remembered_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, slope_at
 from valvemodel.stages.nozzle import drawn_to_settle
 
@@ -38,8 +38,8 @@ def lay_supply(p, state, memory, spacing, count):
     recovery = (drawn_to_settle(p, shares[0]) - full + supply) / p.droop_recovery_time
     tendency = supply * slope_at(count, memory.powers, 0.0) / spacing - shares[0] * recovery
     gain = p.droop_gain if tendency > 0.0 else 0.0
-    lag = memory.lags[0]
-    remember_lag(lag, 1.0 / (p.droop_recovery_time * (1.0 + gain * shares[0])), spacing, count)
+    rate = 1.0 / (p.droop_recovery_time * (1.0 + gain * shares[0]))
+    lag = remembered_lag(memory, SUPPLY_LAG, rate, spacing, count)
     start = supply * (1.0 + gain * shares[0])
     for node in range(count + 1):
         supplies[node] = start

@@ -6,7 +6,14 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.bow import bow, bow_slope
-from valvemodel.stages.lag import follow_nodes, in_series, longer_and_shorter, remember_lag
+from valvemodel.stages.lag import (
+    READING_LAG,
+    SHORTER_READING_LAG,
+    follow_nodes,
+    in_series,
+    longer_and_shorter,
+    remembered_lag,
+)
 from valvemodel.stages.linkage import dragged_place
 from valvemodel.stages.nodes import slope_at
 
@@ -36,7 +43,7 @@ def follow_linkage(p, state, memory, was, part, duration):
     if state.lag_duration != duration:
         state.lag_duration, state.lag_decay = duration, math.exp(-duration / time_constant)
     state.lagged_reading = lag_behind(
-        p, state, memory, 4, time_constant, was, part, state.lagged_reading, state.lag_decay
+        p, state, memory, READING_LAG, time_constant, was, part, state.lagged_reading, state.lag_decay
     )
 
 
@@ -48,15 +55,25 @@ def follow_twice(p, state, memory, was, part, duration):
         state.lag_duration = duration
         state.lag_decay = math.exp(-duration / longer)
         state.shorter_lag_decay = math.exp(-duration / shorter) if shorter > 0.0 else 0.0
-    state.lagged_reading = lag_behind(p, state, memory, 4, longer, was, part, state.lagged_reading, state.lag_decay)
+    state.lagged_reading = lag_behind(
+        p, state, memory, READING_LAG, longer, was, part, state.lagged_reading, state.lag_decay
+    )
     if shorter > 0.0:
         state.less_lagged_reading = lag_behind(
-            p, state, memory, 5, shorter, was, part, state.less_lagged_reading, state.shorter_lag_decay
+            p,
+            state,
+            memory,
+            SHORTER_READING_LAG,
+            shorter,
+            was,
+            part,
+            state.less_lagged_reading,
+            state.shorter_lag_decay,
         )
 
 
 @inlined
-def lag_behind(p, state, memory, place, time_constant, was, part, reading, decay):
+def lag_behind(p, state, memory, which, time_constant, was, part, reading, decay):
     """Return a lagged reading at the end of a step through which the stem drags a part of the linkage. [m]"""
     start, end = bow(p, was), bow(p, state.linkage)
     behind = start - reading
@@ -69,16 +86,15 @@ def lag_behind(p, state, memory, place, time_constant, was, part, reading, decay
     following = of_velocity * (state.trace_next_velocity - steady) + of_acceleration * state.trace_next_acceleration
     forced, following = gain * (forced + time_constant * steady), gain * (following + time_constant * steady)
     if memory.trace_count > 0.0:
-        following += lag_of_pulls(p, state, memory, place, time_constant, part, gain, of_acceleration)
+        following += lag_of_pulls(p, state, memory, which, time_constant, part, gain, of_acceleration)
     return end - following - (behind - forced) * decay
 
 
 @compiled
-def lag_of_pulls(p, state, memory, place, time_constant, part, gain, of_acceleration):
+def lag_of_pulls(p, state, memory, which, time_constant, part, gain, of_acceleration):
     """Return how far a lagged reading is further behind an integrated step: by its pulls, and by a bow. [m]"""
     count, side, spacing = int(memory.trace_count), memory.step_side, memory.step_spacing
-    lag = memory.lags[place]
-    remember_lag(lag, 1.0 / time_constant, spacing, count)
+    lag = remembered_lag(memory, which, 1.0 / time_constant, spacing, count)
     for node in range(count + 1):
         # The lag's own acceleration factor feeds on the slope of the pulls.
         source = -of_acceleration * gain * slope_at(count, memory.pull_powers, float(node)) / spacing

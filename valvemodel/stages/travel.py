@@ -9,6 +9,7 @@ from valvemodel.stages.bow import bow_left_out
 from valvemodel.stages.linkage import TOUCHING, way_to_contact
 from valvemodel.stages.nodes import COARSE_NODES, NODES, fall_between, fit_powers, slope_at, value_at
 from valvemodel.stages.part import is_coarse
+from valvemodel.stages.response import response_of_step
 from valvemodel.stages.rest import come_to_rest, meet_limit
 from valvemodel.stages.sliders import has_sliders, lay_sliders, way_to_sliding
 from valvemodel.stages.slip import BEYOND, STOP_SPEED, first_stop
@@ -220,7 +221,7 @@ def place_of_fall(memory, count, kind, low, high, distance):
 @compiled
 def finish_step(p, state, memory, count, ended):
     """Take stem and bristles to the end of the step, and leave to the sensor what it needs to follow it."""
-    response, side = memory.responses[0], memory.step_side
+    response, side = response_of_step(memory), memory.step_side
     way, speed = memory.ways[count], max(memory.speeds[count], 0.0)
     acceleration = memory.step_start + memory.pulls[count] - response.stiffness * way
     acceleration -= response.damping * (memory.speeds[count] - memory.step_speed)
