@@ -28,6 +28,17 @@ def test_readings_of_many_valves(workers):
         assert (one == run(model, TIME, CURRENT)).all()
 
 
+@pytest.mark.parametrize("dispersion", [0.0, 0.1])
+def test_what_is_remembered_of_one_valve_is_not_taken_for_another(dispersion):
+    """Behind a line a period is cut at the same place again and again, and what follows from its parts is kept."""
+    bases = [base_model(viscous_friction=friction) for friction in (300.0, 612.9, 1000.0)]
+    line = {"transport_delay": 0.0413, "line_dispersion": dispersion}
+    models = [base.with_effect("transport_delay", **line) for base in bases]
+    for part, some in readings(rows_of(models), time=TIME, current=CURRENT, workers=1, at_once=3):
+        for model, one in zip(models[part], some, strict=True):
+            assert (one == run(model, TIME, CURRENT)).all()
+
+
 @pytest.mark.parametrize("reanchor", [None, 1.0])
 def test_objectives_over_many_inputs(reanchor):
     currents = np.stack([CURRENT, CURRENT[::-1]])

@@ -8,7 +8,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.stages.nodes import CHOOSE, REMEMBERED, fit_powers
 
 SUPPLY_LAG, CHAMBER_LAG, AMPLIFIER_LAG, COIL_LAG, EDDY_LAG, READING_LAG, SHORTER_READING_LAG = range(7)
-LAGS = 7
+LAGS = SHORTER_READING_LAG + 1
 """Which lags there are, and how many."""
 
 LONG = 8.0
@@ -37,7 +37,6 @@ def in_series(longer, shorter, by_longer, by_shorter):
 @inlined
 def remembered_lag(memory, which, rate, spacing, count):
     """Return what is known of one of the lags at a rate over a spacing, laid anew unless it was among the last few."""
-    lag = memory.lags[which, 0]
     for place in range(REMEMBERED):
         lag = memory.lags[which, place]
         if lag.rate == rate and lag.spacing == spacing and lag.count == count:
