@@ -140,6 +140,36 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     assert list(dict.fromkeys(done)) == expected
 
 
+def sharpened_all(causes, *_):
+    return [replace(each, is_sharpened=True) for each in causes]
+
+
+def test_no_fit_is_searched_about_twice(monkeypatch):
+    """The best two effects and their nearest alias are, each once; so is one that was begun again in vain."""
+    asked = []
+    monkeypatch.setattr(selection, "try_all", lambda *_: [])
+    monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
+    monkeypatch.setattr(selection, "sharpen_all", lambda causes, *_: asked.extend(causes) or sharpened_all(causes))
+    monkeypatch.setattr(selection, "worth_beginning_again", lambda tried: tried[1:])
+    monkeypatch.setattr(trying, "with_given_mass", lambda fit: fit)
+    monkeypatch.setattr(selection, "change_all", lambda change, causes, *_: [change(each, None) for each in causes])
+    done = replace(candidate(5.0, "coil_lag", "static_friction"), is_sharpened=True)
+    pair = candidate(6.0, "coil_lag", "stribeck")
+    for rule in ("exchanged", "on_what_stays", "worth_trying_anew", "jumps_anew", "other_laws", "in_other_forms"):
+        monkeypatch.setattr(selection, rule, lambda *_: [])
+    known = selection.with_kindred([candidate(40.0), done, pair], None, None, lambda what, share: None)
+    assert asked == [pair]
+    assert all(each.is_sharpened for each in known[1:])
+
+
+@pytest.mark.parametrize(("left", "is_asked"), [(0.5, True), (2.0, False)])
+def test_a_pair_that_is_off_by_more_than_a_phase_is_not_brought_back_into_it(monkeypatch, left, is_asked):
+    monkeypatch.setattr(singles, "sharpen_all", sharpened_all)
+    pair = candidate(left * singles.OUT_OF_PHASE, "coil_lag", "stribeck")
+    _, found = singles.in_phase([candidate(900.0), pair], None, None, lambda what, share: None)
+    assert found.is_sharpened == is_asked
+
+
 @pytest.mark.parametrize(
     ("pair", "is_followed"),
     [

@@ -12,7 +12,7 @@ from identification.search import Found
 
 @pytest.mark.parametrize(
     ("errors", "rounds", "expected"),
-    [([5.0, 7.0, 3.0], 3, 3.0), ([5.0, 0.9, 3.0], 2, 0.9), ([11.0, 12.0, 13.0], 3, 10.0)],
+    [([5.0, 4.0, 3.0], 3, 3.0), ([5.0, 0.9, 3.0], 2, 0.9), ([5.0, 4.9, 3.0], 2, 4.9), ([11.0, 5.0], 1, 10.0)],
 )
 def test_each_round_begins_where_the_best_was_found_and_looks_nearer(monkeypatch, errors, rounds, expected):
     asked = []
