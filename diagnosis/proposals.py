@@ -247,7 +247,8 @@ def jumps_anew(tried: Sequence[Candidate]) -> list[Work]:
 def other_laws(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best two effects of which one makes the stem jump, with that one exchanged for another law.
 
-    A search for a law beside another effect is long: the one that was found leads it to the valve.
+    A search for a law beside another effect is long: the one that was found leads it to the valve. What it made of one
+    wave says nothing of a whole series.
     """
     if any_explains(tried):
         return []
@@ -257,6 +258,7 @@ def other_laws(tried: Sequence[Candidate]) -> list[Work]:
         Work(alone[other].fit, (other, law), True, kin=pair.fit)
         for pair in best_of(tried, 2)[:LEADERS]
         for other, _ in jumps_that_gained(pair, alone)
+        if alone[other].has_series == pair.has_series
         for law in laws
         if law not in pair.effects
     ]

@@ -429,7 +429,7 @@ def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = 
     Beside another effect a law of stick-slip starts from where the stem breaks away by the kindred law, and all starts
     are followed far: which comes nearest shows late.
     """
-    valve = kin.found.point[: len(fit.unknowns)]
+    valve = taken_over(fit, kin)
     starts = [*starts_of(effect, list(fit.problem.experiments), residual_positions(fit)), *([known] if known else [])]
     ratio = breakaway_of(kin) if effect.breakaway and fit.model.effects else None
     if ratio is not None:
@@ -440,6 +440,13 @@ def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = 
         return best_descended(begun, first=FIRST_LOOK_AT_LAWS, further=15, precision=1e-4)
     begun.sort(key=lambda pair: float(errors(pair[0], pair[1][None, :])[0]))
     return best_descended(begun[:KEPT_STARTS], first=8, further=15, precision=1e-4)
+
+
+def taken_over(fit: Fit, kin: Fit) -> np.ndarray:
+    """Return the scaled point of a fit with what a kindred one, in whatever order of adding, made of its unknowns."""
+    made = {(each.name, each.experiment): at for each, at in zip(kin.unknowns, kin.found.point, strict=True)}
+    own = zip(fit.unknowns, fit.found.point, strict=True)
+    return np.array([made.get((each.name, each.experiment), at) for each, at in own])
 
 
 def breakaway_of(fit: Fit) -> float | None:

@@ -342,6 +342,15 @@ def test_a_law_that_gained_beside_another_effect_leads_another_law_there(left, k
     assert all(each.fit is tried[1].fit and each.kin is tried[-1].fit for each in work)
 
 
+def test_a_law_beside_one_wave_does_not_lead_another_law_to_a_whole_series():
+    """The series had 35 numbers more than the fit that was to lead, and the diagnosis ended in an error."""
+    tried = [candidate(230.0), waves(150.0, "load_force"), candidate(216.0, "static_friction")]
+    tried += [candidate(90.0, "stribeck"), candidate(60.0, "load_force", "static_friction")]
+    assert proposals.other_laws(tried) == []
+    tried[-1] = waves(60.0, "load_force", "static_friction")
+    assert [each.effects for each in proposals.other_laws(tried)] == [("load_force", "stribeck")]
+
+
 def test_what_loses_the_phase_of_its_slips_is_searched_about_where_it_leaves_much():
     base, pair, far = candidate(90.0), candidate(8.0, "end_stop", "stribeck"), candidate(20.0, "air_leak", "stribeck")
     assert blunt([pair, far], base) == [pair]
