@@ -8,8 +8,6 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from diagnosis.explaining import misfit
 from diagnosis.standing import of_many_numbers
 from diagnosis.trying import Candidate, Progress, scored
@@ -18,19 +16,20 @@ from identification.holdout import Holdout
 from identification.pairs import Trace, begun, promising_pairs, traces_of
 from identification.problem import Problem
 from identification.screening import released
-from identification.search import RENEWED, Found, descend, descend_to_end
+from identification.search import RENEWED, Found, Start, descend, descend_to_end
 from valvemodel.effects import effect_of_key
 
-LOOKED_AT, FOLLOWED, ENDED = 48, 12, 5
+LOOKED_AT, FOLLOWED, ENDED = 36, 12, 5
 """Starts of pairs from which a search looks about, goes on, and goes on to its end."""
+
+LEFT_BEHIND = 5.0
+"""Error over the best one's above which a search goes no further."""
 
 FIRST_LOOK, FURTHER = 6, 10
 """Points of the search that looks about, and of the one that goes on."""
 
 WHAT = "two effects that promise most together"
 """What is said meanwhile."""
-
-Start = tuple[Problem, np.ndarray]
 
 
 def try_jointly(
@@ -76,12 +75,15 @@ def try_jointly(
 def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) -> list[Start]:
     """Return where the best of some searches came, as starts; few of the same effects in the same form.
 
-    A form is told by the numbers that no fit moves. An effect of many numbers may stand in for two others: beside
-    whatever else it comes near, and would leave no room for them.
+    What lies far behind the best of all goes no further. A form is told by the numbers that no fit moves. An effect of
+    many numbers may stand in for two others: beside whatever else it comes near, and would leave no room for them.
     """
     kept: list[Start] = []
     known: Counter[object] = Counter()
+    least = min((each.error for _, each in found), default=0.0)
     for problem, each in sorted(found, key=lambda one: one[1].error):
+        if each.error > LEFT_BEHIND * least:
+            break
         form = tuple((key, effect_of_key(key).form_at(values)) for key, values in sorted(problem.model.effects.items()))
         many = of_many_numbers(problem.model)
         if known[form] < of_a_form and all(known[key] < count // 2 for key in many):

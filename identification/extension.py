@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +29,17 @@ from identification.screening import (
     traded,
     withheld,
 )
-from identification.search import RENEWED, Effort, Found, descend, descend_to_end, errors, principal_directions, roam
+from identification.search import (
+    RENEWED,
+    Effort,
+    Found,
+    Start,
+    descend,
+    descend_to_end,
+    errors,
+    principal_directions,
+    roam,
+)
 from identification.stick_slip import (
     LAWFUL,
     SlipSearch,
@@ -67,6 +78,10 @@ where laws of stick-slip are compared beside another effect."""
 
 FURTHER = 2
 """Points on which a derivative serves while the best start is followed further."""
+
+HOPELESS, IN_REACH = 2.0, 5.0
+"""Error over what is worth it, and over that of the noise, above which no start beside other effects is followed
+further: both must be passed."""
 
 CLOSE = 1.5
 """Error over the best one's up to which another form of an effect is followed to its end as well."""
@@ -209,7 +224,8 @@ def extended(
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         # What a lag takes over is of no form: one of the groups begins there as well.
-        searched = [followed(fit, effect, group, trades=group is groups[0]) for group in groups]
+        hopeless = hopeless_from(fit, worth) if fit.model.effects else math.inf
+        searched = [followed(fit, effect, group, trades=group is groups[0], hopeless=hopeless) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
@@ -266,14 +282,18 @@ def beside_steps(
     """Add an effect to a fit to readings in coarse steps, as if they were but noisy; only then within the steps.
 
     What lies within a step says nothing of the way: a start that is a little off, or a fit that leaves few readings
-    beyond, has slopes of a few samples only. A kindred fit, and what a fit is worth, are of errors within the steps.
+    beyond, has slopes of a few samples only. What is not nearer within the steps by then, nor in reach of
+    their noise, is left. A kindred
+    fit, and what a fit is worth, are of errors within the steps.
     """
     problem, point = replace(fit.problem, within=0.0), fit.found.point
     noisy = finished(problem, Found(point, float(errors(problem, point[None, :])[0])))
     begun = extended(noisy, effect, known, None, is_global=is_global, promise=promise, follows_all=follows_all)
-    if begun.found.error >= noisy.found.error:
+    in_steps, start = replace(begun.problem, within=fit.problem.within), begun.found.point
+    most = max(fit.found.error, IN_REACH * fit.problem.noise_error)
+    if begun.found.error >= noisy.found.error or float(errors(in_steps, start[None, :])[0]) > most:
         return finished(*at_neutral(fit, effect))
-    problem, ended = released_at_end(replace(begun.problem, within=fit.problem.within), begun.found.point)
+    problem, ended = released_at_end(in_steps, start)
     return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))
 
 
@@ -296,7 +316,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = 
         problem, point = joined(*withheld(fit.problem, fit.found.point), effect, values)
         return finished(*released_at_end(problem, point))
     start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
-    problem, best = followed(fit, effect, [start])
+    problem, best = followed(fit, effect, [start], hopeless=hopeless_from(fit, worth))
     return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
 
 
@@ -355,26 +375,53 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
 
 
-def followed(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool = True) -> tuple[Problem, Found]:
+def hopeless_from(fit: Fit, worth: float) -> float:
+    """Return the error above which a look at the starts of an effect on top of a fit shows that it gains too little."""
+    return max(HOPELESS * min(worth, fit.found.error), IN_REACH * fit.problem.noise_error)
+
+
+def followed(
+    fit: Fit, effect: Effect, group: list[Trial], *, trades: bool = True, hopeless: float = math.inf
+) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, if it `trades` what a lag takes over as well; the best further.
 
     Base parameters that the effect frees move last, from where all else has come: from afar they lead astray. Where
-    the readings come in coarse steps they do so until the search is at its end.
+    the readings come in coarse steps they do so until the search is at its end. What has more error than is
+    `hopeless` is left there.
     """
-    problem, best = looked_down(fit, effect, group, trades=trades)
+    problem, best = looked_down(fit, effect, group, trades=trades, hopeless=hopeless)
+    if best.error > hopeless:
+        return problem, best
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
     if freed is problem:
         return problem, best
     return freed, descend(freed, point, evaluations=10, precision=1e-3, renewed=RENEWED)
 
 
-def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> tuple[Problem, Found]:
+def looked_down(
+    fit: Fit, effect: Effect, group: list[Trial], *, trades: bool, hopeless: float
+) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further, without what the effect frees."""
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
-        return best_descended([(group[0].problem, group[0].point)], first=FIRST_LOOK, further=10, precision=1e-3)
+        starts = [(group[0].problem, group[0].point)]
+        return best_descended(starts, first=FIRST_LOOK, further=10, precision=1e-3, hopeless=hopeless)
+    starts = starts_from(fit, effect, group, trades=trades)
+    if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
+        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=1, hopeless=hopeless)
+    first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
+    return best_descended(starts, first=first, further=10, precision=1e-3, hopeless=hopeless)
+
+
+def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> list[Start]:
+    """Return where searches from the most promising trials begin.
+
+    The base valve as given is one more start of the most promising of all where no other effect was fitted with it yet,
+    and of another form in any case.
+    """
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
+    as_known = others if fit.model.effects else [group[0], *others]
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
-    starts += [(trial.problem, as_given(fit, trial.point)) for trial in [group[0], *others]]
+    starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
     if trades:
         starts += starts_traded(fit, effect)
     if makes_pressure(effect):
@@ -382,13 +429,10 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
             found = descend(trial.problem, begun, evaluations=15, precision=1e-3, renewed=RENEWED)
             starts.append((trial.problem, found.point))
-    if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
-        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=1)
-    first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
-    return best_descended(starts, first=first, further=10, precision=1e-3)
+    return starts
 
 
-def starts_traded(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
+def starts_traded(fit: Fit, effect: Effect) -> list[Start]:
     """Return where a lag takes over what the base valve has too much of, as a start; none where there is nothing."""
     return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
 
@@ -456,23 +500,27 @@ def breakaway_of(fit: Fit) -> float | None:
 
 
 def best_descended(
-    starts: list[tuple[Problem, np.ndarray]],
+    starts: Sequence[Start],
     *,
     first: int,
     further: int,
     precision: float,
     renewed: int = RENEWED,
+    hopeless: float = math.inf,
 ) -> tuple[Problem, Found]:
-    """Follow all starts down for a few evaluations, and the best of them further, to a precision."""
+    """Follow all starts down for a few evaluations, and the best of them further, to a precision.
+
+    The best is left where it is if it has more error than is `hopeless`.
+    """
     problem, best = nearest_descended(starts, evaluations=first, renewed=renewed)
+    if best.error > hopeless:
+        return problem, best
     return problem, descend(
         problem, best.point, evaluations=further, precision=precision, renewed=min(renewed, FURTHER)
     )
 
 
-def nearest_descended(
-    starts: list[tuple[Problem, np.ndarray]], *, evaluations: int, renewed: int = RENEWED
-) -> tuple[Problem, Found]:
+def nearest_descended(starts: Sequence[Start], *, evaluations: int, renewed: int = RENEWED) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations and return where the best of them came."""
     begun = [
         (problem, descend(problem, point, evaluations=evaluations, precision=1e-3, renewed=renewed))

@@ -48,6 +48,10 @@ RENEWED, RENEWED_SERIES = 3, 8
 """After how many points the derivative is taken anew, and where a series of unknowns makes it dear."""
 
 
+Start = tuple[Problem, np.ndarray]
+"""Where a search begins: a problem and a scaled point, shape (unknowns,)."""
+
+
 @dataclass(frozen=True)
 class Found:
     """Where a search ended: scaled point, error (half the sum of squared residuals), and whether it may go on."""

@@ -32,11 +32,16 @@ def problem(**held: float) -> SimpleNamespace:
 def test_few_starts_of_the_same_form_go_on():
     flat, bent = problem(), problem(saturation_slope=0.7)
     found = [
-        (each, Found(np.array([error]), error)) for each, error in [(flat, 3.0), (flat, 1.0), (flat, 2.0), (bent, 9.0)]
+        (each, Found(np.array([error]), error)) for each, error in [(flat, 3.0), (flat, 1.0), (flat, 2.0), (bent, 4.9)]
     ]
     kept = nearest(found, 9, 1)
-    assert [(each is flat, point[0]) for each, point in kept] == [(True, 1.0), (False, 9.0)]
+    assert [(each is flat, point[0]) for each, point in kept] == [(True, 1.0), (False, 4.9)]
     assert [point[0] for _, point in nearest(found, 2, 2)] == [1.0, 2.0]
+
+
+def test_what_lies_far_behind_goes_no_further():
+    found = [(each, Found(np.array([error]), error)) for each, error in [(problem(), 1.0), (problem(x=1.0), 5.1)]]
+    assert [point[0] for _, point in nearest(found, 9, 1)] == [1.0]
 
 
 def test_what_may_stand_in_for_two_leaves_room_for_them():
@@ -46,9 +51,9 @@ def test_what_may_stand_in_for_two_leaves_room_for_them():
     pairs.append({key: effect_of_key(key).typical for key in ("coil_lag", "gap_drift")})
     found = [
         (SimpleNamespace(model=SimpleNamespace(effects=effects)), Found(np.array([error]), error))
-        for error, effects in enumerate(pairs)
+        for error, effects in enumerate(pairs, start=1)
     ]
-    assert [point[0] for _, point in nearest(found, 5, 1)] == [0, 1, 4]
+    assert [point[0] for _, point in nearest(found, 5, 1)] == [1, 2, 5]
 
 
 def test_what_takes_a_global_search_or_is_read_off_is_not_joined():

@@ -1,0 +1,74 @@
+"""How far an effect is followed on top of a fit: not on from where it can come to nothing."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from identification import extension
+from identification.extension import HOPELESS, IN_REACH, Trial, best_descended, hopeless_from, starts_from
+from identification.search import Found
+from valvemodel.effects import effect_of_key
+
+
+def fit_of(error: float, *effects: str) -> SimpleNamespace:
+    problem = SimpleNamespace(noise_error=10.0, within=0.5, is_in_steps="quantisation" in effects)
+    return SimpleNamespace(
+        found=Found(np.zeros(1), error), problem=problem, model=SimpleNamespace(effects=dict.fromkeys(effects, {}))
+    )
+
+
+@pytest.mark.parametrize(
+    ("error", "worth", "expected"),
+    [(900.0, 400.0, HOPELESS * 400.0), (900.0, np.inf, HOPELESS * 900.0), (900.0, 11.0, IN_REACH * 10.0)],
+)
+def test_what_is_far_above_what_is_worth_it_and_above_the_noise_is_hopeless(error, worth, expected):
+    assert hopeless_from(fit_of(error, "coil_lag"), worth) == expected
+
+
+@pytest.mark.parametrize(("hopeless", "asked"), [(2.9, [6, 6]), (3.0, [6, 6, 10]), (np.inf, [6, 6, 10])])
+def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, hopeless, asked):
+    points = []
+
+    def descend(problem, point, *, evaluations, precision, renewed):
+        points.append(evaluations)
+        return Found(point, float(point[0]) - (2.0 if evaluations == 10 else 0.0))
+
+    monkeypatch.setattr(extension, "descend", descend)
+    starts = [("far", np.array([4.0])), ("near", np.array([3.0]))]
+    problem, best = best_descended(starts, first=6, further=10, precision=1e-3, hopeless=hopeless)
+    assert (problem, best.error) == ("near", 1.0 if len(asked) == 3 else 3.0)
+    assert points == asked
+
+
+@pytest.mark.parametrize(("beside", "expected"), [((), [1.0, 2.0, -1.0]), (("coil_lag",), [1.0, 2.0])])
+def test_the_valve_as_given_is_a_start_of_an_effect_alone(monkeypatch, beside, expected):
+    monkeypatch.setattr(extension, "as_given", lambda fit, point: -point)
+    for choice in ("of_another_form", "of_another_side", "starts_traded"):
+        monkeypatch.setattr(extension, choice, lambda *_: [])
+    group = [Trial("problem", np.array([place]), 0.0) for place in (1.0, 2.0, 3.0)]
+    starts = starts_from(fit_of(900.0, *beside), effect_of_key("spring_hardening"), group, trades=True)
+    assert [point[0] for _, point in starts] == expected
+
+
+@pytest.mark.parametrize(("left", "is_followed"), [(899.0, True), (901.0, False)])
+def test_what_is_no_nearer_within_coarse_steps_is_left(monkeypatch, left, is_followed):
+    followed = []
+    monkeypatch.setattr(
+        extension, "replace", lambda problem, within: SimpleNamespace(**vars(problem) | {"within": within})
+    )
+    monkeypatch.setattr(extension, "errors", lambda problem, points: np.array([left if problem.within else 5000.0]))
+    monkeypatch.setattr(extension, "finished", lambda problem, found: SimpleNamespace(problem=problem, found=found))
+    monkeypatch.setattr(extension, "at_neutral", lambda fit, effect: (fit.problem, fit.found))
+    # Far nearer as if the steps were noise.
+    monkeypatch.setattr(extension, "extended", lambda *_, **__: fit_of(100.0, "quantisation"))
+
+    def released_at_end(problem, point):
+        followed.append(problem.within)
+        return problem, Found(point, 1.0)
+
+    monkeypatch.setattr(extension, "released_at_end", released_at_end)
+    fit, effect = fit_of(900.0, "quantisation"), effect_of_key("coil_lag")
+    found = extension.beside_steps(fit, effect, None, is_global=False, promise=0.0, follows_all=False)
+    assert followed == ([0.5] if is_followed else [])
+    assert found.found.error == (1.0 if is_followed else 900.0)
