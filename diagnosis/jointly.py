@@ -16,7 +16,7 @@ from identification.holdout import Holdout
 from identification.pairs import Trace, begun, promising_pairs, traces_of
 from identification.problem import Problem
 from identification.screening import released
-from identification.search import RENEWED, Found, Start, descend, descend_to_end
+from identification.search import Found, Start, descend_roughly, descend_to_end
 from valvemodel.effects import effect_of_key
 
 LOOKED_AT, FOLLOWED, ENDED = 36, 12, 5
@@ -116,7 +116,7 @@ def in_order(effects: Sequence[str], alone: Mapping[str, Candidate]) -> tuple[st
 def looked(start: Start, points: int) -> Found:
     """Follow a start some way down."""
     problem, point = start
-    return descend(problem, point, evaluations=points, precision=1e-3, renewed=RENEWED)
+    return descend_roughly(problem, point, evaluations=points)
 
 
 def followed_to_end(start: Start, holdout: Holdout) -> Candidate:

@@ -35,6 +35,7 @@ from identification.search import (
     Found,
     Start,
     descend,
+    descend_roughly,
     descend_to_end,
     errors,
     principal_directions,
@@ -427,8 +428,7 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
-            found = descend(trial.problem, begun, evaluations=15, precision=1e-3, renewed=RENEWED)
-            starts.append((trial.problem, found.point))
+            starts.append((trial.problem, descend_roughly(trial.problem, begun, evaluations=15).point))
     return starts
 
 
@@ -523,7 +523,7 @@ def best_descended(
 def nearest_descended(starts: Sequence[Start], *, evaluations: int, renewed: int = RENEWED) -> tuple[Problem, Found]:
     """Follow all starts down for a few evaluations and return where the best of them came."""
     begun = [
-        (problem, descend(problem, point, evaluations=evaluations, precision=1e-3, renewed=renewed))
+        (problem, descend_roughly(problem, point, evaluations=evaluations, renewed=renewed))
         for problem, point in starts
     ]
     return min(begun, key=lambda pair: pair[1].error)

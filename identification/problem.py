@@ -30,7 +30,11 @@ LOST = 1e6
 """What counts in place of a residual that is no number. [noise]"""
 
 DIFFERENCE = 2e-4
-"""Step of the forward differences in scaled unknowns; wide against the tolerance, narrow against the bends."""
+"""Step of the forward differences in scaled unknowns; wide against the tolerance, narrow against the bends. Where runs
+are rougher than those of a search it is so much wider."""
+
+ROUGH_TOLERANCE = 1e-4
+"""Of runs that only show which of many starts are worth it: within the noise, and up to three times as fast. [m]"""
 
 
 @dataclass(frozen=True)
@@ -191,7 +195,7 @@ class Problem:
         Where the residuals there are known, shape (r,), they are not computed again.
         """
         count = len(point)
-        steps = np.full(count, DIFFERENCE)
+        steps = np.full(count, DIFFERENCE * max(self.tolerance / SEARCH_TOLERANCE, 1.0))
         upper = np.array([unknown.bounds[1] for unknown in self.unknowns])
         steps[point + steps > upper] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known

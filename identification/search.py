@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol, Required, TypedDict, Unpack
 import numpy as np
 
 from identification.experiment import score_rows
-from identification.problem import LOST, Problem
+from identification.problem import LOST, ROUGH_TOLERANCE, Problem
 from valvemodel import runs
 
 if TYPE_CHECKING:
@@ -43,6 +43,9 @@ MORE_EVALUATIONS, STILL_FALLING = 20, 0.98
 
 EVALUATIONS_IN_STEPS = 60
 """The same of readings in coarse steps: what is left beyond half a step falls with the cube of what is off."""
+
+LOOK_PRECISION = 1e-3
+"""Share of the error below which a step's gain ends a search that only looks about."""
 
 RENEWED, RENEWED_SERIES = 3, 8
 """After how many points the derivative is taken anew, and where a series of unknowns makes it dear."""
@@ -160,6 +163,13 @@ def descend(
     )
     # A derivative of many columns that was bent again and again may end a search before its end.
     return Found(result.x, float(result.cost), result.status == 0 or (problem.has_series and slopes.is_bent))
+
+
+def descend_roughly(problem: Problem, start: np.ndarray, *, evaluations: int, renewed: int = RENEWED) -> Found:
+    """Follow the residuals some way down from a start by rough runs; the error is that of the problem all the same."""
+    rough = replace(problem, tolerance=max(ROUGH_TOLERANCE, problem.tolerance))
+    found = descend(rough, start, evaluations=evaluations, precision=LOOK_PRECISION, renewed=renewed)
+    return Found(found.point, float(errors(problem, found.point[None, :])[0]))
 
 
 def descend_to_end(problem: Problem, start: np.ndarray) -> Found:

@@ -1,9 +1,23 @@
 """A search that is followed to its end goes on beyond its points as long as the error falls."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from blind_fits import base_of_plant
 
-from identification.search import END_EVALUATIONS, END_PRECISION, Slopes, descend, descend_to_end
+from identification.problem import DIFFERENCE, ROUGH_TOLERANCE, SEARCH_TOLERANCE, Problem
+from identification.screening import joined
+from identification.search import (
+    END_EVALUATIONS,
+    END_PRECISION,
+    Slopes,
+    descend,
+    descend_roughly,
+    descend_to_end,
+    errors,
+)
+from valvemodel.effects import effect_of_key
 
 
 class BentValley:
@@ -47,3 +61,31 @@ def test_a_derivative_serves_on_some_points_where_the_error_is_smooth(monkeypatc
     assert ended.point == pytest.approx(np.ones(6), abs=1e-4)
     assert not ended.may_go_on or has_series
     assert len(asked) / most <= len(taken) < len(asked) / most + 4
+
+
+def test_rough_runs_lead_where_finer_ones_do_and_the_error_is_that_of_the_problem(tmp_path, monkeypatch):
+    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+    lag = effect_of_key("sensor_lag")
+    problem, start = joined(base.problem, base.found.point, lag, {**lag.typical, "sensor_time_constant": 0.1})
+    finer = descend(problem, start, evaluations=6, precision=1e-3, renewed=3)
+    tolerances = []
+    residuals = Problem.residuals
+    monkeypatch.setattr(
+        Problem, "residuals", lambda self, points: tolerances.append(self.tolerance) or residuals(self, points)
+    )
+    found = descend_roughly(problem, start, evaluations=6)
+    assert set(tolerances) == {ROUGH_TOLERANCE}
+    assert found.error == float(errors(problem, found.point[None, :])[0])
+    assert found.error == pytest.approx(finer.error, rel=0.05)
+    assert found.error < 0.5 * base.found.error
+
+
+@pytest.mark.parametrize(("tolerance", "factor"), [(1e-7, 1.0), (SEARCH_TOLERANCE, 1.0), (ROUGH_TOLERANCE, 10.0)])
+def test_differences_are_as_much_wider_as_runs_are_rougher(tmp_path, monkeypatch, tolerance, factor):
+    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+    problem, point = replace(base.problem, tolerance=tolerance), base.found.point
+    asked = []
+    residuals = Problem.residuals
+    monkeypatch.setattr(Problem, "residuals", lambda self, points: asked.append(points) or residuals(self, points))
+    problem.jacobian(point)
+    assert np.abs(asked[-1] - point).max(axis=1) == pytest.approx(np.full(len(point), factor * DIFFERENCE))

@@ -14,7 +14,7 @@ from valvemodel.effects import effect_of_key
 def fit_of(error: float, *effects: str) -> SimpleNamespace:
     problem = SimpleNamespace(noise_error=10.0, within=0.5, is_in_steps="quantisation" in effects)
     return SimpleNamespace(
-        found=Found(np.zeros(1), error), problem=problem, model=SimpleNamespace(effects=dict.fromkeys(effects, {}))
+        found=Found(np.zeros(1), error), problem=problem, model=SimpleNamespace(effects={key: {} for key in effects})
     )
 
 
@@ -30,11 +30,12 @@ def test_what_is_far_above_what_is_worth_it_and_above_the_noise_is_hopeless(erro
 def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, hopeless, asked):
     points = []
 
-    def descend(problem, point, *, evaluations, precision, renewed):
+    def descend(problem, point, *, evaluations, renewed, precision=None):
         points.append(evaluations)
         return Found(point, float(point[0]) - (2.0 if evaluations == 10 else 0.0))
 
-    monkeypatch.setattr(extension, "descend", descend)
+    for search in ("descend", "descend_roughly"):
+        monkeypatch.setattr(extension, search, descend)
     starts = [("far", np.array([4.0])), ("near", np.array([3.0]))]
     problem, best = best_descended(starts, first=6, further=10, precision=1e-3, hopeless=hopeless)
     assert (problem, best.error) == ("near", 1.0 if len(asked) == 3 else 3.0)
