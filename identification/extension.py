@@ -283,9 +283,8 @@ def beside_steps(
     """Add an effect to a fit to readings in coarse steps, as if they were but noisy; only then within the steps.
 
     What lies within a step says nothing of the way: a start that is a little off, or a fit that leaves few readings
-    beyond, has slopes of a few samples only. What is not nearer within the steps by then, nor in reach of
-    their noise, is left. A kindred
-    fit, and what a fit is worth, are of errors within the steps.
+    beyond, has slopes of a few samples only. What is not nearer within the steps by then, nor in reach of the noise, is
+    left. A kindred fit, and what a fit is worth, are of errors within the steps.
     """
     problem, point = replace(fit.problem, within=0.0), fit.found.point
     noisy = finished(problem, Found(point, float(errors(problem, point[None, :])[0])))

@@ -34,7 +34,7 @@ DIFFERENCE = 2e-4
 are rougher than those of a search it is so much wider."""
 
 ROUGH_TOLERANCE = 1e-4
-"""Of runs that only show which of many starts are worth it: within the noise, and up to three times as fast. [m]"""
+"""Of runs that only show which of many starts are worth it, at most: up to three times as fast. [m]"""
 
 
 @dataclass(frozen=True)
@@ -142,6 +142,16 @@ class Problem:
     def step(self) -> float:
         """Step in which the model reads, 0 where it reads in none. [m]"""
         return float(self._rows["resolution"][0])
+
+    @property
+    def rough_tolerance(self) -> float:
+        """Tolerance of runs that only show which of many starts are worth it: no more than the noise. [m]
+
+        A search among a series of unknowns, which follows the same slopes for long, goes astray by rough ones.
+        """
+        if self.has_series:
+            return self.tolerance
+        return max(min([ROUGH_TOLERANCE, *(each.noise for each in self.experiments)]), self.tolerance)
 
     @cached_property
     def settles(self) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol, Required, TypedDict, Unpack
 import numpy as np
 
 from identification.experiment import score_rows
-from identification.problem import LOST, ROUGH_TOLERANCE, Problem
+from identification.problem import LOST, Problem
 from valvemodel import runs
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def descend(
 
 def descend_roughly(problem: Problem, start: np.ndarray, *, evaluations: int, renewed: int = RENEWED) -> Found:
     """Follow the residuals some way down from a start by rough runs; the error is that of the problem all the same."""
-    rough = replace(problem, tolerance=max(ROUGH_TOLERANCE, problem.tolerance))
+    rough = replace(problem, tolerance=problem.rough_tolerance)
     found = descend(rough, start, evaluations=evaluations, precision=LOOK_PRECISION, renewed=renewed)
     return Found(found.point, float(errors(problem, found.point[None, :])[0]))
 

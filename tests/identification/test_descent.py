@@ -74,7 +74,8 @@ def test_rough_runs_lead_where_finer_ones_do_and_the_error_is_that_of_the_proble
         Problem, "residuals", lambda self, points: tolerances.append(self.tolerance) or residuals(self, points)
     )
     found = descend_roughly(problem, start, evaluations=6)
-    assert set(tolerances) == {ROUGH_TOLERANCE}
+    assert set(tolerances) == {problem.rough_tolerance}
+    assert problem.tolerance < problem.rough_tolerance
     assert found.error == float(errors(problem, found.point[None, :])[0])
     assert found.error == pytest.approx(finer.error, rel=0.05)
     assert found.error < 0.5 * base.found.error
@@ -89,3 +90,13 @@ def test_differences_are_as_much_wider_as_runs_are_rougher(tmp_path, monkeypatch
     monkeypatch.setattr(Problem, "residuals", lambda self, points: asked.append(points) or residuals(self, points))
     problem.jacobian(point)
     assert np.abs(asked[-1] - point).max(axis=1) == pytest.approx(np.full(len(point), factor * DIFFERENCE))
+
+
+@pytest.mark.parametrize(
+    ("noise", "expected"), [(5e-4, ROUGH_TOLERANCE), (4e-5, 4e-5), (1e-6, SEARCH_TOLERANCE), (np.inf, ROUGH_TOLERANCE)]
+)
+def test_rough_runs_are_no_rougher_than_the_noise(tmp_path, noise, expected):
+    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+    (experiment,) = base.problem.experiments
+    loud = replace(experiment, noise=5e-4)
+    assert replace(base.problem, experiments=[loud, replace(experiment, noise=noise)]).rough_tolerance == expected
