@@ -19,7 +19,7 @@ from identification.screening import released
 from identification.search import Found, Start, descend_roughly, descend_to_end
 from valvemodel.effects import effect_of_key
 
-LOOKED_AT, FOLLOWED, ENDED = 36, 12, 5
+LOOKED_AT, FOLLOWED, ENDED = 48, 12, 5
 """Starts of pairs from which a search looks about, goes on, and goes on to its end."""
 
 LEFT_BEHIND = 5.0

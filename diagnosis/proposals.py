@@ -23,7 +23,7 @@ from diagnosis.standing import (
     unlike,
     values_alone,
 )
-from diagnosis.trying import AS_BEFORE, Candidate, Work, promises
+from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
 from identification.hints import begins_at_periods, other_forms
 from valvemodel.effects import are_aliases, effect_of_key
@@ -131,8 +131,7 @@ def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
         alike = [each for each in tried if each.fit.problem.is_anchored == job.fit.problem.is_anchored]
         least = min(each.fit.found.error for each in alike)
         smaller = min(each.fit.found.error for each in alike if len(each.effects) < len(job.effects))
-        before = (each.fit.found.error for each in alike if set(each.effects) == set(job.effects))
-        return min(NO_GAIN * smaller, FAR_BEHIND * least, AS_BEFORE * min(before, default=math.inf))
+        return min(NO_GAIN * smaller, FAR_BEHIND * least)
 
     return [replace(each, worth=worth(each)) for each in work]
 
@@ -180,12 +179,11 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     alone = alone_of(tried)
     pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
     known = {each.effects for each in tried}
-    work = [
+    return [
         Work(alone[second].fit, (second, first), False, single[first])
         for first, second in pairs
         if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
     ]
-    return worthwhile(work, tried)
 
 
 def on_what_explains(tried: Sequence[Candidate]) -> list[Work]:

@@ -29,9 +29,6 @@ from valvemodel.model import Model
 SERIES = 2
 """Free parameters that a series of like numbers counts as."""
 
-AS_BEFORE = 1.2
-"""Error over that of the same cause as it was tried before, above which a fit is not followed to its end."""
-
 AT_ONCE = 4
 """Extensions of which none waits for what came out of another: so many that two cores always have work."""
 
@@ -157,8 +154,7 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
     """
     known = dict(candidate.fit.model.effects[key])
     others = tuple(each for each in candidate.effects if each != key)
-    worth = AS_BEFORE * candidate.fit.found.error
-    return try_effect(Work(reduced(candidate.fit, key), (*others, key), False, known, worth=worth), holdout)
+    return try_effect(Work(reduced(candidate.fit, key), (*others, key), False, known), holdout)
 
 
 def freedom_of(fit: Fit) -> int:

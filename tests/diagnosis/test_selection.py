@@ -21,7 +21,7 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import AS_BEFORE, Candidate, Work
+from diagnosis.trying import Candidate, Work
 from identification.extension import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
@@ -527,13 +527,6 @@ def test_a_fit_is_followed_to_its_end_where_it_gains_and_comes_near_the_best(pai
     tried += [candidate(misfit, "coil_lag", "end_stop") for misfit in pairs]
     (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), False)], tried)
     assert work.worth == pytest.approx(expected)
-
-
-def test_a_cause_that_was_tried_is_followed_to_its_end_where_it_comes_as_near_as_before():
-    tried = [candidate(20.0), candidate(9.0, "coil_lag"), candidate(4.0, "load_force", "coil_lag")]
-    tried.append(candidate(2.0, "air_leak", "end_stop"))
-    (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), False)], tried)
-    assert work.worth == pytest.approx(AS_BEFORE * 400.0)
 
 
 def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
