@@ -35,9 +35,6 @@ WIDTHS_IN_PHASE = (1.0, 0.5, 0.3)
 WORTH_A_ROUND = 0.95
 """Share of the error to which a round must have come not to be in vain."""
 
-FAR_OFF = 5.0
-"""Error over the noise's from which one round in vain is enough: rounds that follow gain little then."""
-
 
 @threadpool_limits.wrap(limits=1)
 def sharpened(fit: Fit) -> Fit:
@@ -66,8 +63,7 @@ def sharpened(fit: Fit) -> Fit:
             if reached < least:
                 best, least = found.point, reached
         vain = 0 if least < WORTH_A_ROUND * before else vain + 1
-        is_far_off = least > FAR_OFF * free.noise_error
-        if least <= free.noise_error or vain >= (1 if is_far_off else patience.vain):
+        if least <= free.noise_error or vain == patience.vain:
             break
     return finished(free, Found(best, float(errors(free, best[None, :])[0])))
 

@@ -5,7 +5,7 @@ from blind_fits import base_of_plant, fits_to_plant
 
 from identification import extension
 from identification.extension import GLANCE, continued, extend, glanced
-from identification.search import descend
+from identification.search import descend_roughly
 
 
 @pytest.mark.parametrize("key", ["sensor_lag", "chamber_filling", "transport_delay"])
@@ -46,9 +46,9 @@ def test_a_glance_takes_few_points(tmp_path, monkeypatch):
     _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
     asked = []
     monkeypatch.setattr(
-        "identification.extension.descend",
+        "identification.extension.descend_roughly",
         lambda *given, evaluations, **named: (
-            asked.append(evaluations) or descend(*given, evaluations=evaluations, **named)
+            asked.append(evaluations) or descend_roughly(*given, evaluations=evaluations, **named)
         ),
     )
     glanced(base, "sensor_lag")
