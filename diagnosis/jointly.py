@@ -80,9 +80,9 @@ def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) 
     """
     kept: list[Start] = []
     known: Counter[object] = Counter()
-    least = min((each.error for _, each in found), default=0.0)
-    for problem, each in sorted(found, key=lambda one: one[1].error):
-        if each.error > LEFT_BEHIND * least:
+    order = sorted(found, key=lambda one: one[1].error)
+    for problem, each in order:
+        if each.error > LEFT_BEHIND * order[0][1].error:
             break
         form = tuple((key, effect_of_key(key).form_at(values)) for key, values in sorted(problem.model.effects.items()))
         many = of_many_numbers(problem.model)

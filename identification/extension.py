@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -30,6 +31,7 @@ from identification.screening import (
     withheld,
 )
 from identification.search import (
+    LOOK_PRECISION,
     RENEWED,
     Effort,
     Found,
@@ -225,7 +227,7 @@ def extended(
         if is_searched:
             groups.append([placed(fit, effect, trials)])
         # What a lag takes over is of no form: one of the groups begins there as well.
-        hopeless = hopeless_from(fit, worth) if fit.model.effects else math.inf
+        hopeless = hopeless_from(fit, worth)
         searched = [followed(fit, effect, group, trades=group is groups[0], hopeless=hopeless) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
@@ -376,7 +378,12 @@ def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
 
 
 def hopeless_from(fit: Fit, worth: float) -> float:
-    """Return the error above which a look at the starts of an effect on top of a fit shows that it gains too little."""
+    """Return the error above which a look at the starts of an effect on top of a fit shows that it gains too little.
+
+    Beside no other effect there is none: each is wanted as far as it comes.
+    """
+    if not fit.model.effects:
+        return math.inf
     return max(HOPELESS * min(worth, fit.found.error), IN_REACH * fit.problem.noise_error)
 
 
@@ -395,21 +402,20 @@ def followed(
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
     if freed is problem:
         return problem, best
-    return freed, descend(freed, point, evaluations=10, precision=1e-3, renewed=RENEWED)
+    return freed, descend(freed, point, evaluations=10, precision=LOOK_PRECISION, renewed=RENEWED)
 
 
 def looked_down(
     fit: Fit, effect: Effect, group: list[Trial], *, trades: bool, hopeless: float
 ) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further, without what the effect frees."""
+    follow = partial(best_descended, further=10, hopeless=hopeless)
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
-        starts = [(group[0].problem, group[0].point)]
-        return best_descended(starts, first=FIRST_LOOK, further=10, precision=1e-3, hopeless=hopeless)
+        return follow([(group[0].problem, group[0].point)], first=FIRST_LOOK)
     starts = starts_from(fit, effect, group, trades=trades)
     if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
-        return best_descended(starts, first=FIRST_LOOK_JAGGED, further=10, precision=1e-3, renewed=1, hopeless=hopeless)
-    first = FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK
-    return best_descended(starts, first=first, further=10, precision=1e-3, hopeless=hopeless)
+        return follow(starts, first=FIRST_LOOK_JAGGED, renewed=1)
+    return follow(starts, first=FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK)
 
 
 def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> list[Start]:
@@ -503,7 +509,7 @@ def best_descended(
     *,
     first: int,
     further: int,
-    precision: float,
+    precision: float = LOOK_PRECISION,
     renewed: int = RENEWED,
     hopeless: float = math.inf,
 ) -> tuple[Problem, Found]:

@@ -24,6 +24,7 @@ def fit_of(error: float, *effects: str) -> SimpleNamespace:
 )
 def test_what_is_far_above_what_is_worth_it_and_above_the_noise_is_hopeless(error, worth, expected):
     assert hopeless_from(fit_of(error, "coil_lag"), worth) == expected
+    assert hopeless_from(fit_of(error), worth) == np.inf
 
 
 @pytest.mark.parametrize(("hopeless", "asked"), [(2.9, [6, 6]), (3.0, [6, 6, 10]), (np.inf, [6, 6, 10])])
