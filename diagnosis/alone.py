@@ -10,7 +10,7 @@ from functools import partial
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, explains, leaves_nothing_to_tell, misfit, stops_seen
-from diagnosis.proposals import FAR_BEHIND, SHORTLIST, extensions
+from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions
 from diagnosis.standing import (
     best_of,
     blunt,
@@ -160,12 +160,13 @@ def beside_reading(
 ) -> list[Candidate]:
     """Try all effects beside one that is read off the record, where that comes nearest and leaves something.
 
-    Few readings lie beyond the steps, and the error has many minima: the nearest are searched about.
+    Few readings lie beyond the steps, and the error has many minima: the nearest are searched about, if what lies
+    beside the reading gains over it.
     """
     nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
     work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)
     pairs = try_all(work, holdout, pool, progress, "2 effects together")
-    near = blunt(best_of(pairs, 2), tried[0])
+    near = [each for each in blunt(best_of(pairs, 2), tried[0]) if misfit(each) < NO_GAIN * misfit(nearest[0])]
     return with_better(pairs, sharpen_all(near, holdout, pool, progress))
 
 

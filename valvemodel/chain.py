@@ -8,11 +8,12 @@ from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, has_coil_lag, rest_electromagnet
+from valvemodel.stages.lag import forget_lags
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.linkage import drag_linkage, shift_linkage
 from valvemodel.stages.motion import advance_held, advance_stem, glides, glides_through_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, has_leak, is_amplified, rest_nozzle
-from valvemodel.stages.part import hold_pressure, is_coarse, is_of_a_search, lay_part
+from valvemodel.stages.part import hold_pressure, is_coarse, is_of_a_search, lay_part, rest_parts
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
@@ -25,11 +26,11 @@ RECORDS = (PARAMETERS, STATE, MEMORY)
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
 
-TICKS = 1.26e12
-"""In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
-
 CHATTER = 64
 """Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
+
+TICKS = 1.26e12
+"""In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
 
 MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""
@@ -77,6 +78,7 @@ def maps_plainly(p):
 def plan_run(p, state, memory, driven_by, tolerance):
     """Write down once a run what does not change during it."""
     plan_stem(p, state, memory, tolerance)
+    forget_lags(memory)
     state.lag_duration = -1.0
     state.plan_moving = driven_by == CURRENT and has_pressure_dynamics(p)
     state.plan_current = driven_by == CURRENT
@@ -96,7 +98,8 @@ def start_chain(p, state, memory, drive, driven_by, time, tolerance):
         rest_nozzle(p, state, gap, state.hysteresis_input)
     else:
         state.pressure = drive
-    state.part_aim, state.rest_drive = math.inf, drive if p.gap_drift_rate == 0.0 else math.nan
+    rest_parts(state, drive)
+    state.rest_drive = drive if p.gap_drift_rate == 0.0 else math.nan
     if math.isnan(p.start_position):
         rest_stem(p, state, state.pressure, time)
     else:

@@ -50,7 +50,7 @@ STATE = np.dtype(
         for name in (
             "flux_current", "less_lagged_flux", "hysteresis", "hysteresis_input",
             "droop", "share", "chamber_pressure", "filled_pressure", "pressure",
-            "part_aim", "rest_drive", "chamber_rate", "filled_rate",
+            "part_aim", "aim_after_rise", "aim_after_fall", "held_drive", "rest_drive",
             "position", "velocity", "mode", "bristle", "trial_step",
             "linkage", "tight_linkage", "loose_linkage", "lagged_reading", "less_lagged_reading",
             "plan_linear", "plan_elastic", "plan_varies", "plan_limit_held", "plan_closed", "plan_response",
@@ -63,7 +63,6 @@ STATE = np.dtype(
             "quiet_yy", "quiet_vy", "quiet_friction",
             "known_damping", "known_stiffness", "known_duration", "known_alpha", "known_beta", "known_half_swing",
             "known_vv", "known_va", "known_av", "known_aa", "known_yv", "known_ya",
-            "kept_length", "kept_damping", "kept_stiffness", "kept_way", "kept_impulse",
             "trace_damping", "trace_stiffness", "trace_steady", "trace_velocity", "trace_acceleration",
             "trace_next_velocity", "trace_next_acceleration", "lag_duration", "lag_decay",
             "shorter_lag_decay",

@@ -53,8 +53,12 @@ def creeping(quiet, refitted) -> Answer:
     short = Experiment("ramp", pressure=None, noise=quiet.noise, pressure_noise=0.0, **part)
     lagged = np.interp(short.time - 0.08, short.time, short.position) - short.position
     base, holdout = refitted(short, lagged)
-    keys = [("sensor_lag",), ("transport_delay",)]
-    tried = [base, *(try_effect(Work(base.fit, effects, True), holdout) for effects in keys)]
+    lag, delay = {"sensor_time_constant": 0.08, "sensor_second_time_constant": 0.0}, {"transport_delay": 0.08}
+    known = {("sensor_lag",): lag, ("transport_delay",): delay | {"line_dispersion": 0.0}}
+    keys = list(known)
+    # So little shows of either that a search from afar may leave it at none.
+    work = [Work(base.fit, effects, False, values, is_known=True) for effects, values in known.items()]
+    tried = [base, *(try_effect(each, holdout) for each in work)]
     return Answer(keys[0], keys[1:], tried, list(holdout.experiments))
 
 

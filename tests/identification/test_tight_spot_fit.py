@@ -12,12 +12,16 @@ from valvemodel.effects import effect_of_key
 KEY = "position_dependent_friction"
 
 
-@pytest.mark.parametrize(("seed", "is_lost"), [(9300, False), (9311, False), (9324, True), (9330, True)])
-def test_a_tight_spot_that_no_start_need_lead_to_is_found(seed, is_lost, tmp_path):
-    _, base, found = fits_to_plant(seed, KEY, tmp_path)
-    noise = found.problem.noise_error
-    assert (extend(base, KEY, is_global=False).found.error > 10.0 * noise) == is_lost
-    assert found.found.error < 1.05 * noise
+@pytest.mark.parametrize("seed", [9300, 9311, 9324, 9330])
+def test_a_tight_spot_is_found_whether_a_start_leads_to_it_or_not(seed, tmp_path):
+    _, _, found = fits_to_plant(seed, KEY, tmp_path)
+    assert found.found.error < 1.05 * found.problem.noise_error
+
+
+@pytest.mark.parametrize("seed", [9324, 9330])
+def test_starts_alone_may_lose_a_tight_spot(seed, tmp_path):
+    _, base, _ = fits_to_plant(seed, KEY, tmp_path)
+    assert extend(base, KEY, is_global=False).found.error > 10.0 * base.problem.noise_error
 
 
 @pytest.mark.parametrize("seed", [9300, 9311])

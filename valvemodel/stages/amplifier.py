@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.chamber import KEPT, SWEEPS
-from valvemodel.stages.lag import AMPLIFIER_LAG, follow_nodes, remembered_lag
+from valvemodel.stages.chamber import SWEEPS
+from valvemodel.stages.lag import AMPLIFIER_LAG, follow_nodes, nearby_lag, remembered_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, left_out
 from valvemodel.stages.nozzle import stiffness_of_gas, time_to_fill, time_to_vent
 
@@ -27,9 +27,15 @@ def quickness(p, pressure, aim):
         return 1.0
     share = min(max(pressure / p.supply_pressure, 0.0), 1.0)
     resting = min(max(aim / p.supply_pressure, 0.0), 1.0)
-    root = resting * math.sqrt(1.0 - share) + math.sqrt(resting * share * (1.0 - resting))
     stiffness = stiffness_of_gas(share * p.supply_pressure, p.orifices_of_gas)
-    return 1.0 + p.orifice_share * (stiffness / max(root, LEAST_ROOT) - 1.0)
+    root = root_of_orifices(share, resting, math.sqrt(resting * (1.0 - resting)))
+    return 1.0 + p.orifice_share * (stiffness / root - 1.0)
+
+
+@inlined
+def root_of_orifices(share, resting, spread):
+    """Return by how much less orifices let through at a share of the supply, towards that at rest and its spread."""
+    return max(resting * math.sqrt(1.0 - share) + spread * math.sqrt(share), LEAST_ROOT)
 
 
 @compiled
@@ -49,13 +55,15 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
         ahead = aims[1] - start
     side = 1.0 if ahead > 0.0 else -1.0
     time_constant = time_to_fill(p) if side > 0.0 else time_to_vent(p)
-    slowness = abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
-    lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
-    speed = side * (aims[1] - aims[0]) / spacing
-    is_limited = slowness > 0.0 and (
-        lead * slowness > time_constant + INSTANT + rounding * slowness
-        or (time_constant == 0.0 and speed * slowness > 1.0)
-    )
+    slowness = slowness_towards(p, side)
+    if slowness * fastest_lead(p) <= time_constant:
+        slowness = 0.0
+    is_limited = False
+    if slowness > 0.0:
+        lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
+        is_limited = lead * slowness > time_constant + INSTANT + rounding * slowness
+        if time_constant == 0.0:
+            is_limited = is_limited or side * (aims[1] - aims[0]) / spacing * slowness > 1.0
     if is_limited:
         for node in range(count + 1):
             pressures[node] = start + side * node * spacing / slowness
@@ -69,11 +77,14 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
                 return node - 0.5
         return math.inf
     if p.orifice_share == 0.0:
-        follow_through_ports(state, memory, time_constant, spacing, count)
-    elif not follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
-        return 0.5 * count
+        lag = remembered_lag(memory, AMPLIFIER_LAG, 1.0 / time_constant, spacing, count)
+        follow_through_ports(state, memory, lag, time_constant, count)
+    else:
+        rate = quickness(p, start, aims[0]) / time_constant
+        lag = nearby_lag(memory, AMPLIFIER_LAG, rate, spacing, count)
+        if not follow_through_orifices(p, state, memory, lag, time_constant, count, slack):
+            return 0.5 * count
     fit_powers(count, aims, memory.powers)
-    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
     if left_out(count, memory.powers) * (1.0 - lag.decay[count]) > kept:
         return 0.5 * count
     for node in range(count + 1):
@@ -88,30 +99,47 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
 
 
 @inlined
-def follow_through_ports(state, memory, time_constant, spacing, count):
+def slowness_towards(p, side):
+    """Return the inverse of the limited rate to a side, 0 where it has no limit. [s/Pa]"""
+    return abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
+
+
+@inlined
+def fastest_lead(p):
+    """Return more than any pressure can lead what follows it, times the quickness of that. [Pa]"""
+    stiffest = stiffness_of_gas(p.supply_pressure, p.orifices_of_gas)
+    return p.supply_pressure * max(1.0, 1.0 + p.orifice_share * (stiffest / LEAST_ROOT - 1.0))
+
+
+@inlined
+def follow_through_ports(state, memory, lag, time_constant, count):
     """Write the pressures at the nodes as a first-order lag lets them follow."""
-    state.filled_rate = 1.0 / time_constant
-    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
     for node in range(count + 1):
         memory.forces[node] = memory.values[node] / time_constant
     follow_nodes(lag, state.filled_pressure, memory.forces, memory.powers, memory.pressures)
 
 
 @compiled
-def follow_through_orifices(p, state, memory, time_constant, spacing, count, slack):
+def follow_through_orifices(p, state, memory, lag, time_constant, count, slack):
     """Write the pressures at the nodes as orifices let them follow; return whether the passes came to a stand."""
     aims, pressures, start = memory.values, memory.pressures, state.filled_pressure
-    rate = quickness(p, start, aims[0]) / time_constant
-    if not abs(rate - state.filled_rate) * spacing * count <= KEPT:
-        state.filled_rate = rate
-    lag = remembered_lag(memory, AMPLIFIER_LAG, state.filled_rate, spacing, count)
+    # Written out: what follows is most of the time of a run.
+    per_supply, per_time, per_orifice = 1.0 / p.supply_pressure, 1.0 / time_constant, p.orifice_share / time_constant
+    gas = stiffness_of_gas(p.supply_pressure, p.orifices_of_gas) - 1.0
+    aim, resting, spread = math.nan, 0.0, 0.0
     for node in range(count + 1):
         pressures[node] = aims[node] + (start - aims[node]) * lag.decay[node]
     before = math.inf
     for _ in range(SWEEPS):
         for node in range(count + 1):
-            aim, pressure = aims[node], pressures[node]
-            own_rate = quickness(p, pressure, aim) / time_constant
+            pressure = pressures[node]
+            if aims[node] != aim:
+                aim = aims[node]
+                resting = min(max(aim * per_supply, 0.0), 1.0)
+                spread = math.sqrt(resting * (1.0 - resting))
+            share = min(max(pressure * per_supply, 0.0), 1.0)
+            own_rate = per_time - per_orifice
+            own_rate += per_orifice * (1.0 + gas * share) / root_of_orifices(share, resting, spread)
             memory.forces[node] = own_rate * (aim - pressure) + lag.rate * pressure
         end, middle = pressures[count], pressures[1]
         follow_nodes(lag, start, memory.forces, memory.powers, pressures)

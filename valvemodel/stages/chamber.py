@@ -6,16 +6,13 @@ import math
 
 from valvemodel.compiled import compiled, inlined
 from valvemodel.equations import numeric
-from valvemodel.stages.lag import CHAMBER_LAG, follow_nodes, remembered_lag
+from valvemodel.stages.lag import CHAMBER_LAG, follow_nodes, nearby_lag
 from valvemodel.stages.nozzle import stiffness_of_gas
 
 chamber_inflow = inlined(numeric.chamber_inflow)
 
 SWEEPS = 12
 """Most passes until the nodes stand still."""
-
-KEPT = 0.02
-"""A rate that is off by this, times the part's length, still serves: the passes mend it."""
 
 NEAR = 1e-6
 """Departure from rest, over the supply, below which the rate there is taken."""
@@ -25,10 +22,7 @@ NEAR = 1e-6
 def lay_chamber(p, state, memory, spacing, count, slack):
     """Let the chamber fill towards its resting pressures at the nodes, by eq. (15), to within a slack. [Pa]"""
     aims, values, start = memory.pressures, memory.values, state.chamber_pressure
-    rate = filling_rate(p, start, aims[0], memory.gaps[0])
-    if not abs(rate - state.chamber_rate) * spacing * count <= KEPT:
-        state.chamber_rate = rate
-    lag = remembered_lag(memory, CHAMBER_LAG, state.chamber_rate, spacing, count)
+    lag = nearby_lag(memory, CHAMBER_LAG, filling_rate(p, start, aims[0], memory.gaps[0]), spacing, count)
     per_supply = 1.0 / p.supply_pressure
     for node in range(count + 1):
         is_same = node > 0 and aims[node] == aims[node - 1] and memory.gaps[node] == memory.gaps[node - 1]

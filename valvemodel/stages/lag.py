@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.nodes import CHOOSE, REMEMBERED, fit_powers
+from valvemodel.stages.nodes import CHOOSE, REMEMBERED, fit_powers, is_alike
 
 SUPPLY_LAG, CHAMBER_LAG, AMPLIFIER_LAG, COIL_LAG, EDDY_LAG, READING_LAG, SHORTER_READING_LAG = range(7)
 LAGS = SHORTER_READING_LAG + 1
@@ -13,6 +13,9 @@ LAGS = SHORTER_READING_LAG + 1
 
 LONG = 8.0
 """Rate times spacing from which the responses are taken upwards; below, the power series is summed."""
+
+NEARBY = 0.02
+"""A rate that is off by this, times the part's length, still serves where passes mend it."""
 
 APART = 3e-4
 """Share of their mean by which two lags are kept apart: a reading is off by 3e-9 of what the stem moves."""
@@ -39,13 +42,32 @@ def remembered_lag(memory, which, rate, spacing, count):
     """Return what is known of one of the lags at a rate over a spacing, laid anew unless it was among the last few."""
     for place in range(REMEMBERED):
         lag = memory.lags[which, place]
-        if lag.rate == rate and lag.spacing == spacing and lag.count == count:
+        if lag.rate == rate and is_alike(lag, spacing, count):
             return lag
     turn = int(memory.lag_turns[which])
     memory.lag_turns[which] = (turn + 1) % REMEMBERED
     lag = memory.lags[which, turn]
     lay_lag(lag, rate, spacing, count)
     return lag
+
+
+@inlined
+def nearby_lag(memory, which, rate, spacing, count):
+    """Return what is known of one of the lags at about a rate, near enough for passes over the nodes to mend it."""
+    for place in range(REMEMBERED):
+        lag = memory.lags[which, place]
+        if is_alike(lag, spacing, count) and abs(lag.rate - rate) * spacing * count <= NEARBY:
+            return lag
+    return remembered_lag(memory, which, rate, spacing, count)
+
+
+@inlined
+def forget_lags(memory):
+    """Forget all lags: what is near must not depend on an earlier run."""
+    for which in range(LAGS):
+        memory.lag_turns[which] = 0.0
+        for place in range(REMEMBERED):
+            memory.lags[which, place].spacing = -1.0
 
 
 @compiled

@@ -12,7 +12,7 @@ from valvemodel.stages.nodes import REMEMBERED
 from valvemodel.stages.part import PRESSURE_SHARE, is_coarse, pressure_at
 from valvemodel.stages.presliding import bristle_stiffness, bristle_viscosity, elastic_friction, time_on_bristles
 from valvemodel.stages.pressed import may_settle, settle_on_stop
-from valvemodel.stages.response import remember_response
+from valvemodel.stages.response import forget_responses, remember_response
 from valvemodel.stages.rest import break_away, breakaway_side, come_to_rest, meet_limit, sticks, time_stuck
 from valvemodel.stages.series import advance_falling, advance_series
 from valvemodel.stages.sliders import has_sliders, stiffness_of_sliders
@@ -111,8 +111,8 @@ def plan_stem(p, state, memory, tolerance):
     state.known_duration = state.quiet_duration = -1.0
     for place in range(REMEMBERED):
         memory.glides[place].duration = -1.0
-    state.trial_step, state.kept_length = math.inf, -1.0
-    state.chamber_rate = state.filled_rate = math.nan
+    forget_responses(memory)
+    state.trial_step = math.inf
 
 
 @inlined

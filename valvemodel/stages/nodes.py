@@ -14,8 +14,11 @@ NODES = 5
 COARSE_NODES = 2
 """Spacings of a coarse run."""
 
-REMEMBERED = 4
+REMEMBERED = 8
 """Durations or spacings of which what follows from them is remembered: a delay, or parts, come back to a few."""
+
+ALIKE = 1e-12
+"""Share by which two spacings differ that are equal but for rounding."""
 
 ORDER = 18
 """Highest power of time in the series of a swing on bristles."""
@@ -40,10 +43,20 @@ CHOOSE = np.array([[float(math.comb(n, k)) for k in range(NODES + 2)] for n in r
 FACTORIAL = np.array([float(math.factorial(n)) for n in range(NODES + 1)])
 
 
+@inlined
+def is_alike(known, spacing, count):
+    """Return whether what is known, of a lag or of a response, is of so many spacings of that length."""
+    return known.count == count and abs(known.spacing - spacing) <= ALIKE * spacing
+
+
 @compiled
 def fit_powers(count, values, powers):
     """Write the powers of the polynomial through values at the nodes 0, 1 ... count."""
     powers[0] = values[0]
+    if count == COARSE_NODES:
+        bend = 0.5 * (values[0] + values[2]) - values[1]
+        powers[1], powers[2] = values[1] - values[0] - bend, bend
+        return
     for power in range(1, count + 1):
         total = 0.0
         for node in range(count + 1):

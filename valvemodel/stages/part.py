@@ -40,6 +40,9 @@ OF_A_SEARCH = 5e-6
 PRESSURE_SHARE = 0.1
 """Share of the tolerance that the polynomial of the pressure may use."""
 
+PRESSURE_SHARE_OF_A_SEARCH = 0.3
+"""The same of a run that serves a search: its steps are short for other reasons, and its errors far below the share."""
+
 REST_SHARE = 0.02
 """Share of the tolerance within which the pressure has come to rest."""
 
@@ -94,7 +97,8 @@ def resistance_within(p, duration):
 @inlined
 def allowed_force(p, state, tolerance, duration):
     """Return by how much the force on the stem may be off for a duration. [N]"""
-    return PRESSURE_SHARE * state.plan_share * tolerance * resistance_within(p, duration)
+    share = PRESSURE_SHARE_OF_A_SEARCH if is_of_a_search(tolerance) else PRESSURE_SHARE
+    return share * state.plan_share * tolerance * resistance_within(p, duration)
 
 
 @inlined
@@ -103,11 +107,21 @@ def near_pressure(p, state, tolerance):
     return REST_SHARE * state.plan_share * tolerance * p.spring_rate / p.diaphragm_area + 1e-13 * p.supply_pressure
 
 
+@inlined
+def rest_parts(state, drive):
+    """Take no part as too long yet."""
+    state.part_aim = state.aim_after_rise = state.aim_after_fall = math.inf
+    state.held_drive = drive
+
+
 @compiled
 def lay_part(p, state, memory, drive, time, left, tolerance):
     """Lay the pressure over the longest part that a polynomial carries, at most what is left; return its length. [s]"""
     count = COARSE_NODES if is_coarse(tolerance) else NODES
     slack = near_pressure(p, state, tolerance)
+    if drive != state.held_drive:
+        # What carried after the last switch to the same side is tried first.
+        state.part_aim = state.aim_after_rise if drive > state.held_drive else state.aim_after_fall
     length = left
     if state.part_aim < left:
         length = left / math.ceil(left / state.part_aim - 1e-6)
@@ -136,6 +150,11 @@ def lay_part(p, state, memory, drive, time, left, tolerance):
         state.part_aim = length
     if cuts > CUTS:
         state.part_aim = min(state.part_aim, LONGER * length)
+    if drive > state.held_drive:
+        state.aim_after_rise = state.part_aim
+    elif drive < state.held_drive:
+        state.aim_after_fall = state.part_aim
+    state.held_drive = drive
     memory.part_count, memory.part_time, memory.part_spacing = count, time, length / count
     end_part(p, state, memory, drive, length, tolerance)
     return length
@@ -159,7 +178,7 @@ def lay_nodes(p, state, memory, drive, time, spacing, count, slack, kept):
             resting = resting_pressure_of_chain(p, gap, memory.currents[node])
             memory.pressures[node] = resting
     if p.droop_gain > 0.0 or p.droop_consumption > 0.0:
-        end = min(end, lay_supply(p, state, memory, spacing, count))
+        end = min(end, lay_supply(p, state, memory, spacing, count, slack))
         memory.end_share, memory.end_supply = memory.shares[count], memory.values[count]
     memory.end_supplied = memory.pressures[count]
     if p.chamber_filling_time > 0.0:

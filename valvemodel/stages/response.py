@@ -7,7 +7,10 @@ import math
 import numpy as np
 
 from valvemodel.compiled import compiled, inlined
-from valvemodel.stages.nodes import CHOOSE, NODES, REMEMBERED
+from valvemodel.stages.nodes import CHOOSE, NODES, REMEMBERED, is_alike
+
+NEARBY = 0.02
+"""A linear part that is off by this share of the motion still serves where passes mend it."""
 
 LONG = 4.0
 """Fastest rate times spacing up to which the power series is summed; a longer spacing is halved first."""
@@ -25,15 +28,42 @@ def response_of_step(memory):
     return memory.responses[int(memory.response_place)]
 
 
+@inlined
+def forget_responses(memory):
+    """Forget all responses: what is near must not depend on an earlier run."""
+    memory.response_turn = 0.0
+    for place in range(REMEMBERED):
+        memory.responses[place].spacing = -1.0
+
+
 @compiled
 def remember_response(memory, damping, stiffness, spacing, count):
     """Take a response as that of the step, laid anew unless it was among the last few."""
+    take_response(memory, damping, stiffness, spacing, count, 0.0)
+
+
+@compiled
+def nearby_response(memory, damping, stiffness, spacing, count):
+    """Take a response as that of the step where it is near enough for passes over the nodes to mend it."""
+    take_response(memory, damping, stiffness, spacing, count, NEARBY)
+
+
+@inlined
+def take_response(memory, damping, stiffness, spacing, count, allowed):
+    """Take the response that is off by least, at most by an allowed share of the motion, or lay one anew."""
+    nearest = -1.0
     for place in range(REMEMBERED):
         response = memory.responses[place]
-        is_same = response.damping == damping and response.stiffness == stiffness
-        if is_same and response.spacing == spacing and response.count == count:
-            memory.response_place = place
-            return
+        if is_alike(response, spacing, count):
+            off = abs(response.stiffness - stiffness) * abs(response.way[count, 0])
+            off += abs(response.damping - damping) * abs(response.impulse[count])
+            if off <= allowed:
+                nearest, allowed = float(place), off
+                if off == 0.0:
+                    break
+    if nearest >= 0.0:
+        memory.response_place = nearest
+        return
     memory.response_place = memory.response_turn
     memory.response_turn = (memory.response_turn + 1.0) % REMEMBERED
     lay_response(response_of_step(memory), damping, stiffness, spacing, count)

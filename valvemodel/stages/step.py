@@ -16,7 +16,7 @@ from valvemodel.stages.presliding import (
     let_slide,
     with_sliders,
 )
-from valvemodel.stages.response import remember_response, response_of_step
+from valvemodel.stages.response import nearby_response, response_of_step
 from valvemodel.stages.sliders import force_of_sliders, has_sliders
 from valvemodel.stages.stem import (
     limiting_friction,
@@ -41,9 +41,6 @@ SWING_SHARE = 0.02
 
 ROUGH = 0.1
 """Share of its own motion by which a slip may be off while its speed feeds on itself: it would stop for nothing."""
-
-KEPT = 0.02
-"""A linearisation that is off by this share of the motion still serves: the passes mend it."""
 
 
 @compiled
@@ -96,7 +93,7 @@ def slip_force(p, state, memory, node, position, speed):
 def sweep_step(p, state, memory, length, count, tolerance):
     """Lay the motion over a step of a length; return its error over what is allowed, infinite where passes diverge."""
     memory.step_spacing, memory.step_count = length / count, count
-    choose_linear_part(state, memory, length, count)
+    nearby_response(memory, memory.step_damping, memory.step_stiffness, memory.step_spacing, count)
     response, is_held = response_of_step(memory), memory.part_count == 0.0
     for node in range(1, count + 1):
         memory.step_pressures[node] = memory.step_pressures[0]
@@ -146,21 +143,6 @@ def sweep_step(p, state, memory, length, count, tolerance):
         error += lasting * memory.bristles_off
     # What the passes leave is bounded: it says nothing about the length.
     return error / allowed
-
-
-@compiled
-def choose_linear_part(state, memory, length, count):
-    """Take the linear part at the start of the step, or the last one where that serves as well."""
-    damping, stiffness = memory.step_damping, memory.step_stiffness
-    if state.kept_length == length:
-        off = abs(state.kept_stiffness - stiffness) * state.kept_way
-        off += abs(state.kept_damping - damping) * state.kept_impulse
-        if off <= KEPT:
-            damping, stiffness = state.kept_damping, state.kept_stiffness
-    remember_response(memory, damping, stiffness, memory.step_spacing, count)
-    response = response_of_step(memory)
-    state.kept_length, state.kept_damping, state.kept_stiffness = length, damping, stiffness
-    state.kept_way, state.kept_impulse = abs(response.way[count, 0]), abs(response.impulse[count])
 
 
 @compiled

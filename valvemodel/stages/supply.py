@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from valvemodel.compiled import compiled
-from valvemodel.stages.lag import SUPPLY_LAG, follow_nodes, remembered_lag
+from valvemodel.stages.lag import SUPPLY_LAG, follow_nodes, nearby_lag
 from valvemodel.stages.nodes import first_fall, fit_powers, slope_at
 from valvemodel.stages.nozzle import drawn_to_settle
 
@@ -24,11 +24,11 @@ def supply_after_switch(p, state, share):
 
 
 @compiled
-def lay_supply(p, state, memory, spacing, count):
+def lay_supply(p, state, memory, spacing, count, slack):
     """Let the pressures at the nodes sag with their supply; return where a rise turns to a fall or back, in spacings.
 
     While the pressure rises, (1 + g s) (P1 - d) is a first-order lag with a slowly changing rate, s being the share
-    of the supply; while it falls, P1 - d is.
+    of the supply; while it falls, P1 - d is. The supply is known to within a slack. [Pa]
     """
     full, pressures, shares, supplies = p.supply_pressure, memory.pressures, memory.shares, memory.values
     for node in range(count + 1):
@@ -39,7 +39,7 @@ def lay_supply(p, state, memory, spacing, count):
     tendency = supply * slope_at(count, memory.powers, 0.0) / spacing - shares[0] * recovery
     gain = p.droop_gain if tendency > 0.0 else 0.0
     rate = 1.0 / (p.droop_recovery_time * (1.0 + gain * shares[0]))
-    lag = remembered_lag(memory, SUPPLY_LAG, rate, spacing, count)
+    lag = nearby_lag(memory, SUPPLY_LAG, rate, spacing, count)
     start = supply * (1.0 + gain * shares[0])
     for node in range(count + 1):
         supplies[node] = start
@@ -50,7 +50,7 @@ def lay_supply(p, state, memory, spacing, count):
             memory.forces[node] = settled / p.droop_recovery_time + (lag.rate - own_rate) * supplies[node]
         before = supplies[count]
         follow_nodes(lag, start, memory.forces, memory.powers, supplies)
-        if abs(supplies[count] - before) <= STANDING * full:
+        if abs(supplies[count] - before) <= slack:
             break
     for node in range(count + 1):
         supplies[node] /= 1.0 + gain * shares[node]
