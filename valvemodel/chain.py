@@ -26,11 +26,11 @@ RECORDS = (PARAMETERS, STATE, MEMORY)
 CURRENT, PRESSURE = 0, 1
 """What drives a run: the current through all stages, or the pressure at the stem alone."""
 
-CHATTER = 64
-"""Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
-
 TICKS = 1.26e12
 """In a second; decimals, thirds, sevenths and ninths of it are whole numbers of ticks. [1/s]"""
+
+CHATTER = 64
+"""Shortest steps in a row after which a stem that sticks and breaks away in turn is held for a moment."""
 
 MOST_STEPS, STEPS_PER_SECOND = 2000, 2e4
 """Steps of the stem in one hold, and more for each second of it, after which it is followed more coarsely."""

@@ -123,7 +123,7 @@ def follow_through_ports(state, memory, lag, time_constant, count):
 def follow_through_orifices(p, state, memory, lag, time_constant, count, slack):
     """Write the pressures at the nodes as orifices let them follow; return whether the passes came to a stand."""
     aims, pressures, start = memory.values, memory.pressures, state.filled_pressure
-    # Written out: what follows is most of the time of a run.
+    # `quickness` written out: runs spend most of their time here.
     per_supply, per_time, per_orifice = 1.0 / p.supply_pressure, 1.0 / time_constant, p.orifice_share / time_constant
     gas = stiffness_of_gas(p.supply_pressure, p.orifices_of_gas) - 1.0
     aim, resting, spread = math.nan, 0.0, 0.0

@@ -41,7 +41,7 @@ PRESSURE_SHARE = 0.1
 """Share of the tolerance that the polynomial of the pressure may use."""
 
 PRESSURE_SHARE_OF_A_SEARCH = 0.3
-"""The same of a run that serves a search: its steps are short for other reasons, and its errors far below the share."""
+"""The same of a run that serves a search: what it is off by at the end of a part mostly dies out in the next."""
 
 REST_SHARE = 0.02
 """Share of the tolerance within which the pressure has come to rest."""
