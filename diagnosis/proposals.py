@@ -46,6 +46,10 @@ BEST_ALONE = 4
 REVERSED = 4
 """Best causes of two effects that are tried in the other order too: the first of them is fitted for itself alone."""
 
+NEARLY = 3
+"""Best causes of two effects that are searched for from every start, in either order, where they nearly explain a
+record."""
+
 NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
@@ -226,6 +230,25 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
+
+
+def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best causes of two effects that nearly explain the record, as work from every start in either order.
+
+    What leaves so little may be the right one in a side minimum, or stand in for one that ended there.
+    """
+    pairs = best_of(tried, 2)
+    least = misfit(pairs[0])
+    if least < AT_NOISE or not explains(pairs[0], tried[0], generous=True):
+        return []
+    alone, values = alone_of(tried), values_alone(tried)
+    near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * least]
+    orders = [order for first, second in near for order in ((first, second), (second, first))]
+    return [
+        Work(alone[first].fit, (first, second), False, values[second], follows_all=True)
+        for first, second in orders
+        if all(key in alone and is_quick(key) and not is_laid_on_top(alone[key]) for key in (first, second))
+    ]
 
 
 def jumps_anew(tried: Sequence[Candidate]) -> list[Work]:

@@ -20,6 +20,7 @@ from diagnosis.proposals import (
     jumps_anew,
     leaders_of,
     left_alone,
+    nearly_together,
     on_what_explains,
     on_what_stays,
     other_laws,
@@ -214,6 +215,7 @@ def with_kindred(
     alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
     known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
     known = exchanged_anew(known, led, holdout, pool, progress)
+    known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
     for choice_of in (partial(best_of, size=2), aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
     return known

@@ -297,6 +297,18 @@ def test_what_comes_close_to_none_is_tried_on_top_of_one_effect_that_explains_bu
     assert [each.effects[1] for each in proposals.on_what_explains(more)] == expected[1:]
 
 
+@pytest.mark.parametrize(("left", "is_searched"), [(1.2, True), (1.01, False), (9.0, False)])
+def test_the_nearest_pairs_are_searched_for_from_every_start_in_either_order_where_little_is_left(left, is_searched):
+    """A pair that is right had ended in a side minimum, and came to the noise in the other order."""
+    alone = [candidate(70.0, "sensor_drift"), candidate(80.0, "area_variation"), candidate(75.0, "presliding")]
+    pairs = [candidate(left, "sensor_drift", "area_variation"), candidate(1.1 * left, "sensor_drift", "presliding")]
+    work = proposals.nearly_together([candidate(90.0), *alone, *pairs, candidate(4.0 * left, "coil_lag", "air_leak")])
+    expected = [("sensor_drift", "area_variation"), ("area_variation", "sensor_drift")] * is_searched
+    assert [each.effects for each in work] == expected
+    assert all(each.follows_all for each in work)
+    assert [each.fit for each in work] == [each.fit for each in alone[:2]][: len(work)]
+
+
 def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
     """Saturation as fitted alone had gone astray beside a drift: on top of the drift it comes to the noise."""
     alone = [candidate(1.6, "friction_drift"), candidate(97.0, "magnetic_saturation"), candidate(88.0, "choked_flow")]
