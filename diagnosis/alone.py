@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from diagnosis.beside_slips import beside_slips
-from diagnosis.explaining import AT_NOISE, explains, leaves_nothing_to_tell, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, explains, leaves_nothing_to_tell, misfit, nearly_explains, stops_seen
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions
 from diagnosis.standing import (
     best_of,
@@ -99,13 +99,10 @@ def try_alone(
 def nearly(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best causes of one effect that nearly explain the record, as work from every start.
 
-    What leaves so little may be the right one in a side minimum, or stand in for one that ended there. There are none
-    where the base itself leaves nothing to tell.
+    There are none where the base itself leaves nothing to tell.
     """
     base, best = tried[0], best_of(tried, 1)[:MOST_NEARLY]
-    if not best or misfit(best[0]) < AT_NOISE or not explains(best[0], base, generous=True):
-        return []
-    if leaves_nothing_to_tell(base, tried):
+    if not best or not nearly_explains(best[0], base) or leaves_nothing_to_tell(base, tried):
         return []
     far = FAR_BEHIND * misfit(best[0])
     near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]

@@ -46,6 +46,11 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
     return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
 
 
+def nearly_explains(candidate: Candidate, base: Candidate) -> bool:
+    """Return whether a cause leaves little, but some: it may be the right one in a side minimum, or stand in for it."""
+    return misfit(candidate) >= AT_NOISE and explains(candidate, base, generous=True)
+
+
 def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:
     """Return whether a cause leaves so little that nothing with one more effect could be told from it."""
     return misfit(candidate) < WORTH_MORE * min(1.0, *map(misfit, tried))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
-from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, nearly_explains, stops_seen
 from diagnosis.judgement import is_felt
 from diagnosis.standing import (
     EXPLAINS_SOME,
@@ -233,16 +233,12 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
-    """Return the best causes of two effects that nearly explain the record, as work from every start in either order.
-
-    What leaves so little may be the right one in a side minimum, or stand in for one that ended there.
-    """
+    """Return the best two effects that nearly explain the record, as work from every start in either order."""
     pairs = best_of(tried, 2)
-    least = misfit(pairs[0])
-    if least < AT_NOISE or not explains(pairs[0], tried[0], generous=True):
+    if not nearly_explains(pairs[0], tried[0]):
         return []
     alone, values = alone_of(tried), values_alone(tried)
-    near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * least]
+    near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * misfit(pairs[0])]
     orders = [order for first, second in near for order in ((first, second), (second, first))]
     return [
         Work(alone[first].fit, (first, second), False, values[second], follows_all=True)

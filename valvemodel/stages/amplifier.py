@@ -25,17 +25,17 @@ def quickness(p, pressure, aim):
     """Return the rate at which the pressure follows its aim over that of first order: a secant of the square roots."""
     if p.orifice_share == 0.0:
         return 1.0
-    share = min(max(pressure / p.supply_pressure, 0.0), 1.0)
     resting = min(max(aim / p.supply_pressure, 0.0), 1.0)
-    stiffness = stiffness_of_gas(share * p.supply_pressure, p.orifices_of_gas)
-    root = root_of_orifices(share, resting, math.sqrt(resting * (1.0 - resting)))
-    return 1.0 + p.orifice_share * (stiffness / root - 1.0)
+    return quickness_of_orifices(p, pressure, resting, math.sqrt(resting * (1.0 - resting)))
 
 
 @inlined
-def root_of_orifices(share, resting, spread):
-    """Return by how much less orifices let through at a share of the supply, towards that at rest and its spread."""
-    return max(resting * math.sqrt(1.0 - share) + spread * math.sqrt(share), LEAST_ROOT)
+def quickness_of_orifices(p, pressure, resting, spread):
+    """Return `quickness` towards a share of the supply at rest, whose spread is known: aims are mostly held."""
+    share = min(max(pressure / p.supply_pressure, 0.0), 1.0)
+    root = resting * math.sqrt(1.0 - share) + spread * math.sqrt(share)
+    stiffness = stiffness_of_gas(share * p.supply_pressure, p.orifices_of_gas)
+    return 1.0 + p.orifice_share * (stiffness / max(root, LEAST_ROOT) - 1.0)
 
 
 @compiled
@@ -55,15 +55,15 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
         ahead = aims[1] - start
     side = 1.0 if ahead > 0.0 else -1.0
     time_constant = time_to_fill(p) if side > 0.0 else time_to_vent(p)
-    slowness = slowness_towards(p, side)
+    slowness = abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
     if slowness * fastest_lead(p) <= time_constant:
         slowness = 0.0
-    is_limited = False
-    if slowness > 0.0:
-        lead = max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0])
-        is_limited = lead * slowness > time_constant + INSTANT + rounding * slowness
-        if time_constant == 0.0:
-            is_limited = is_limited or side * (aims[1] - aims[0]) / spacing * slowness > 1.0
+    speed = side * (aims[1] - aims[0]) / spacing
+    is_limited = slowness > 0.0 and (
+        max(side * (aims[0] - start), 0.0) * quickness(p, start, aims[0]) * slowness
+        > time_constant + INSTANT + rounding * slowness
+        or (time_constant == 0.0 and speed * slowness > 1.0)
+    )
     if is_limited:
         for node in range(count + 1):
             pressures[node] = start + side * node * spacing / slowness
@@ -99,16 +99,10 @@ def lay_amplifier(p, state, memory, spacing, count, slack, kept):
 
 
 @inlined
-def slowness_towards(p, side):
-    """Return the inverse of the limited rate to a side, 0 where it has no limit. [s/Pa]"""
-    return abs(p.filling_slowness) if (side < 0.0) == (p.filling_slowness > 0.0) else 0.0
-
-
-@inlined
 def fastest_lead(p):
     """Return more than any pressure can lead what follows it, times the quickness of that. [Pa]"""
     stiffest = stiffness_of_gas(p.supply_pressure, p.orifices_of_gas)
-    return p.supply_pressure * max(1.0, 1.0 + p.orifice_share * (stiffest / LEAST_ROOT - 1.0))
+    return p.supply_pressure * (1.0 + p.orifice_share * (stiffest / LEAST_ROOT - 1.0))
 
 
 @inlined
@@ -123,9 +117,6 @@ def follow_through_ports(state, memory, lag, time_constant, count):
 def follow_through_orifices(p, state, memory, lag, time_constant, count, slack):
     """Write the pressures at the nodes as orifices let them follow; return whether the passes came to a stand."""
     aims, pressures, start = memory.values, memory.pressures, state.filled_pressure
-    # `quickness` written out: runs spend most of their time here.
-    per_supply, per_time, per_orifice = 1.0 / p.supply_pressure, 1.0 / time_constant, p.orifice_share / time_constant
-    gas = stiffness_of_gas(p.supply_pressure, p.orifices_of_gas) - 1.0
     aim, resting, spread = math.nan, 0.0, 0.0
     for node in range(count + 1):
         pressures[node] = aims[node] + (start - aims[node]) * lag.decay[node]
@@ -135,11 +126,9 @@ def follow_through_orifices(p, state, memory, lag, time_constant, count, slack):
             pressure = pressures[node]
             if aims[node] != aim:
                 aim = aims[node]
-                resting = min(max(aim * per_supply, 0.0), 1.0)
+                resting = min(max(aim / p.supply_pressure, 0.0), 1.0)
                 spread = math.sqrt(resting * (1.0 - resting))
-            share = min(max(pressure * per_supply, 0.0), 1.0)
-            own_rate = per_time - per_orifice
-            own_rate += per_orifice * (1.0 + gas * share) / root_of_orifices(share, resting, spread)
+            own_rate = quickness_of_orifices(p, pressure, resting, spread) / time_constant
             memory.forces[node] = own_rate * (aim - pressure) + lag.rate * pressure
         end, middle = pressures[count], pressures[1]
         follow_nodes(lag, start, memory.forces, memory.powers, pressures)

@@ -40,25 +40,27 @@ def in_series(longer, shorter, by_longer, by_shorter):
 @inlined
 def remembered_lag(memory, which, rate, spacing, count):
     """Return what is known of one of the lags at a rate over a spacing, laid anew unless it was among the last few."""
+    return lag_within(memory, which, rate, spacing, count, 0.0)
+
+
+@inlined
+def nearby_lag(memory, which, rate, spacing, count):
+    """Return what is known of one of the lags at about a rate, near enough for passes over the nodes to mend it."""
+    return lag_within(memory, which, rate, spacing, count, NEARBY)
+
+
+@inlined
+def lag_within(memory, which, rate, spacing, count, allowed):
+    """Return one of the lags at a rate that is off, times the length, by what is allowed at most, or lay it anew."""
     for place in range(REMEMBERED):
         lag = memory.lags[which, place]
-        if lag.rate == rate and is_alike(lag, spacing, count):
+        if is_alike(lag, spacing, count) and abs(lag.rate - rate) * spacing * count <= allowed:
             return lag
     turn = int(memory.lag_turns[which])
     memory.lag_turns[which] = (turn + 1) % REMEMBERED
     lag = memory.lags[which, turn]
     lay_lag(lag, rate, spacing, count)
     return lag
-
-
-@inlined
-def nearby_lag(memory, which, rate, spacing, count):
-    """Return what is known of one of the lags at about a rate, near enough for passes over the nodes to mend it."""
-    for place in range(REMEMBERED):
-        lag = memory.lags[which, place]
-        if is_alike(lag, spacing, count) and abs(lag.rate - rate) * spacing * count <= NEARBY:
-            return lag
-    return remembered_lag(memory, which, rate, spacing, count)
 
 
 @inlined

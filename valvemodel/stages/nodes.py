@@ -53,7 +53,8 @@ def is_alike(known, spacing, count):
 def fit_powers(count, values, powers):
     """Write the powers of the polynomial through values at the nodes 0, 1 ... count."""
     powers[0] = values[0]
-    if count == COARSE_NODES:
+    if count == 2:
+        # The parabolas of a coarse run, of which it lays very many.
         bend = 0.5 * (values[0] + values[2]) - values[1]
         powers[1], powers[2] = values[1] - values[0] - bend, bend
         return

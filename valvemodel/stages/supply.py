@@ -11,7 +11,7 @@ SWEEPS = 8
 """Most passes until the nodes stand still; each gains a factor of the part's length over the recovery time."""
 
 STANDING = 1e-13
-"""Share of the supply by which the last pass may have moved a node."""
+"""Share of the supply, in a spacing, below which a pressure tends neither way."""
 
 
 @compiled
