@@ -17,7 +17,7 @@ from identification.extension import Glance, continued, extend, extend_from, gla
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
-from identification.restart import with_given_mass
+from identification.restart import begun_again
 from identification.screening import screened
 from identification.sharpening import sharpened
 from identification.stick_slip import SlipSearch
@@ -177,7 +177,7 @@ def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
 
 def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:
     """Fit a cause again from the given valve's mass, and score it anew; the cause as it was where that is in vain."""
-    fit = with_given_mass(candidate.fit)
+    fit = begun_again(candidate.fit)
     return candidate if fit is candidate.fit else scored(candidate.effects, fit, holdout)
 
 

@@ -15,6 +15,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
+from identification.restart import is_far_off
 from identification.screening import (
     LITTLE_LEFT,
     SHRUNK,
@@ -422,10 +423,10 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -
     """Return where searches from the most promising trials begin.
 
     The base valve as given is one more start of the most promising of all where no other effect was fitted with it yet,
-    and of another form in any case.
+    or its mass was led far off, and of another form in any case.
     """
     kept, others = group[:KEPT_STARTS], [] if effect.takes_long else of_another_form(effect, group)
-    as_known = others if fit.model.effects else [group[0], *others]
+    as_known = [group[0], *others] if not fit.model.effects or is_far_off(fit) else others
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
     if trades:

@@ -1,4 +1,4 @@
-"""A fit begun again: the stem's mass back at what the given valve has, all else from where it is."""
+"""A fit begun again: the stem's mass, or the whole base valve, back at what was given, all else from where it is."""
 
 from __future__ import annotations
 
@@ -21,13 +21,17 @@ def is_far_off(fit: Fit) -> bool:
 
 
 @threadpool_limits.wrap(limits=1)
-def with_given_mass(fit: Fit) -> Fit:
-    """Fit all unknowns anew from where they are, but the mass, which begins at the given valve's; the better fit.
+def begun_again(fit: Fit) -> Fit:
+    """Fit all unknowns anew from where they are, but the mass, or the whole base valve, as it was given; the best fit.
 
     A valve that lacks an effect may make up for it by a mass many times too small. One that is added there ends in
-    a side minimum: between it and the right one lie swings that the readings do not show.
+    a side minimum: between it and the right one lie swings that the readings do not show. Where all its forces are
+    many times too small with it, no change of the mass alone leads out.
     """
-    point = fit.found.point.copy()
-    point[[each.name == MASS for each in fit.unknowns]] = 0.0
-    ended = descend_to_end(fit.problem, point)
-    return finished(fit.problem, ended) if ended.error < fit.found.error else fit
+    in_base = [each.name in fit.model.values for each in fit.unknowns]
+    best = fit.found
+    for returned in ([each.name == MASS for each in fit.unknowns], in_base):
+        point = fit.found.point.copy()
+        point[returned] = 0.0
+        best = min(best, descend_to_end(fit.problem, point), key=lambda each: each.error)
+    return fit if best is fit.found else finished(fit.problem, best)

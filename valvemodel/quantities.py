@@ -210,12 +210,13 @@ def _parsed(unit: str, dimension: str) -> Any:
     text = _tidy(unit)
     remedy = _suggestion(unit, dimension)
     unknown = InputError("a unit is one of the known ones", f"[{unit}] is not a unit", remedy)
+    registry = _registry()
     if text in ("1", ""):
-        return _registry().Unit("dimensionless")
+        return registry.Unit("dimensionless")
     if len(text) > 40 or not (_UNIT.fullmatch(text) or text == "%"):
         raise unknown
     try:
-        return _registry().Unit(text)
+        return registry.Unit(text)
     except Exception:
         # pint raises its own errors, and those of Python's tokenizer and parser, for odd texts
         raise unknown from None

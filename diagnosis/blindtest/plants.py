@@ -8,6 +8,7 @@ makes the bundled demo record again, and beside it `OUT-b.csv`, a second record 
 import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from diagnosis.blindtest.valve import FINE_STEP, choked_truth, draw_base, integr
 __all__ = ["EFFECTS", "Plant", "Truth", "draw_plant", "integrate", "measure", "write_record"]
 
 VISIBILITY = (3.0, 20.0)  # rms that a refit leaves of an effect, over the noise
-BELOW_NOTICE = (0.1, 0.25)  # rms of a nuisance, over the noise
+BELOW_NOTICE, NOTICED = (0.1, 0.25), 0.3  # rms of a nuisance, over the noise; one that cannot be made less is none
 NOISE = (0.05e-3, 0.2e-3)  # m
 RESOLUTION = 0.05e-3  # m
 PRESSURE_NOISE = 300.0  # Pa
@@ -103,11 +104,11 @@ def draw_plant(
     truths = [_draw_effect(seed, key, plain, scale, noise, visibility) for key in effects]
     truths = [_within_reach(truth, truths, scale) if truth.effect == "end_stop" else truth for truth in truths]
     if nuisance:
-        others = [
+        others = (
             _draw_effect(seed, key, plain, scale, noise, BELOW_NOTICE, nuisance=True)
             for key in _nuisance_keys(seed, effects)
-        ]
-        truths += others
+        )
+        truths += islice((truth for truth in others if truth.visibility < NOTICED), NUISANCES)
     choked = choked_truth(tuple(truths))
     base = draw_base(np.random.default_rng(valve_seed), choked)
     settled = tuple(judged(truth, scale, noise, base) if truth is choked else truth for truth in truths)
@@ -142,10 +143,11 @@ def _reached(trace: Signal, side: float) -> float:
 
 
 def _nuisance_keys(seed: int, effects: Sequence[str]) -> list[str]:
-    """Effects to add below notice: others than the plant's own, of adjustable magnitude."""
+    """Effects to add below notice, in the order of trying: others than the plant's own, of adjustable magnitude."""
     generator = np.random.default_rng([seed, NUISANCE_STREAM])
     left = [key for key in EFFECTS if key not in effects and key not in NEVER_BELOW_NOTICE]
-    return [str(key) for key in generator.choice(left, NUISANCES, replace=False)]
+    first = [str(key) for key in generator.choice(left, NUISANCES, replace=False)]
+    return first + [str(key) for key in generator.permutation([key for key in left if key not in first])]
 
 
 def _draw_effect(

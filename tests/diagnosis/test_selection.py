@@ -151,7 +151,7 @@ def test_no_fit_is_searched_about_twice(monkeypatch):
     monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
     monkeypatch.setattr(selection, "sharpen_all", lambda causes, *_: asked.extend(causes) or sharpened_all(causes))
     monkeypatch.setattr(selection, "worth_beginning_again", lambda tried: tried[1:])
-    monkeypatch.setattr(trying, "with_given_mass", lambda fit: fit)
+    monkeypatch.setattr(trying, "begun_again", lambda fit: fit)
     monkeypatch.setattr(selection, "change_all", lambda change, causes, *_: [change(each, None) for each in causes])
     done = replace(candidate(5.0, "coil_lag", "static_friction"), is_sharpened=True)
     pair = candidate(6.0, "coil_lag", "stribeck")

@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
-from blind_fits import base_of_record
+from blind_fits import base_of_plant, base_of_record
 
 from diagnosis.blindtest.plants import Plant, measure
 from diagnosis.blindtest.truth import Truth
 from identification.extension import extend
 from identification.fit import finished
-from identification.restart import is_far_off, with_given_mass
+from identification.restart import begun_again, is_far_off
+from identification.screening import joined
 from identification.search import descend
+from valvemodel.effects import effect_of_key
 
 BASE = {
     "stem_mass": 1.52, "spring_rate": 60860.0, "diaphragm_area": 0.063, "supply_pressure": 295500.0,
@@ -34,7 +36,7 @@ def test_a_fit_comes_out_of_a_side_minimum(fits):
     lost = finished(found.problem, descend(found.problem, point, evaluations=60))
     assert is_far_off(lost)
     assert lost.found.error > 2.0 * lost.problem.noise_error
-    again = with_given_mass(lost)
+    again = begun_again(lost)
     assert again.found.error < 1.06 * again.problem.noise_error
     assert not is_far_off(again)
     assert again.model.values["stem_mass"] == pytest.approx(1.04 * 1.52, rel=0.1)
@@ -43,4 +45,22 @@ def test_a_fit_comes_out_of_a_side_minimum(fits):
 
 def test_a_fit_that_is_at_its_best_is_no_worse_for_it(fits):
     for fit in fits:
-        assert with_given_mass(fit).found.error <= fit.found.error
+        assert begun_again(fit).found.error <= fit.found.error
+
+
+def test_two_effects_are_found_though_all_forces_of_the_valve_with_one_were_many_times_too_small(tmp_path):
+    keys = ("position_dependent_friction", "pressure_dependent_friction")
+    plant, base = base_of_plant(1032550951, keys, tmp_path, profile=1408653389, nuisance=True)
+    tight = extend(base, keys[0])
+    assert tight.model.values["spring_rate"] < 0.2 * plant.base["spring_rate"]
+    assert is_far_off(tight)
+    found = extend(tight, keys[1])
+    assert found.found.error < 1.05 * found.problem.noise_error
+    assert found.model.values["spring_rate"] == pytest.approx(plant.base["spring_rate"], rel=0.1)
+
+    growing = effect_of_key(keys[1])
+    values = {each.name: each.neutral for each in growing.parameters} | {"friction_area": 1e-3}
+    problem, astray = joined(tight.problem, tight.found.point, growing, values)
+    lost = finished(problem, descend(problem, astray, evaluations=60))
+    assert lost.found.error > 50.0 * problem.noise_error
+    assert begun_again(lost).found.error < 1.3 * problem.noise_error
