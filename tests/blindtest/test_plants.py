@@ -59,7 +59,7 @@ def test_pairs_and_nuisances_are_told_apart():
 def test_what_cannot_be_made_less_than_is_noticed_is_no_nuisance():
     # The least static friction by bristles still shows with 1.7 times the noise in this valve.
     hidden = draw_plant(1103212846, (), nuisance=True).effects
-    assert [truth.effect for truth in hidden][0] == "asymmetric_friction"
+    assert hidden[0].effect == "asymmetric_friction"
     assert len(hidden) == 2
     assert all(truth.visibility < 0.3 for truth in hidden)
 
