@@ -176,7 +176,7 @@ def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
 
 
 def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:
-    """Fit a cause again from the given valve's mass, and score it anew; the cause as it was where that is in vain."""
+    """Fit a cause again from the given valve's numbers, and score it anew; as it was where that is in vain."""
     fit = begun_again(candidate.fit)
     return candidate if fit is candidate.fit else scored(candidate.effects, fit, holdout)
 
