@@ -15,6 +15,7 @@ from diagnosis.standing import (
     alone_of,
     best_of,
     is_blunt,
+    is_dear,
     is_laid_on_top,
     is_quick,
     is_read_off,
@@ -233,7 +234,10 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
-    """Return the best two effects that nearly explain the record, as work from every start in either order."""
+    """Return the best two effects that nearly explain the record, as work from every start in either order.
+
+    What is dear to run is left where it is: a search from every start takes as long as all the rest.
+    """
     pairs = best_of(tried, 2)
     if not nearly_explains(pairs[0], tried[0]):
         return []
@@ -243,7 +247,10 @@ def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
     return [
         Work(alone[first].fit, (first, second), False, values[second], follows_all=True)
         for first, second in orders
-        if all(key in alone and is_quick(key) and not is_laid_on_top(alone[key]) for key in (first, second))
+        if all(
+            key in alone and is_quick(key) and not (is_dear(key) or is_laid_on_top(alone[key]))
+            for key in (first, second)
+        )
     ]
 
 
