@@ -73,12 +73,13 @@ class Score:
 
     @property
     def misfit(self) -> float:
-        """Geometric mean of the two mean weighted squares: 1 where the noise is reached.
+        """Geometric mean of the mean weighted squares of the two runs that are judged: 1 where the noise is reached.
 
         What is left of the whole record counts where it is more: a fit can only have made it less, and a gap that shows
         itself in a few places, as a lag does at steps, may lie among the fitted samples.
         """
-        unseen = float(np.sqrt(self.free.mean * self.anchored.mean))
+        one, other = self.judged
+        unseen = float(np.sqrt(one.mean * other.mean))
         return unseen if self.whole is None else max(unseen, self.whole.misfit)
 
 

@@ -118,6 +118,12 @@ def test_what_is_gained_in_one_block_alone_does_not_count():
     assert errors_beyond_noise(mine, base) == pytest.approx((0.0, 0.0, 59.0 / 6.0))
 
 
+def test_in_a_record_with_stairs_a_cause_is_as_far_off_as_the_runs_say_that_do_not_lose_the_phase_of_slips():
+    free, anchored, at_rests = (score_of(*[left] * 6).free for left in (9.0, 1.44, 1.0))
+    assert Score(free, anchored, at_rests).misfit == pytest.approx(1.2)
+    assert Score(free, anchored).misfit == pytest.approx(3.6)
+
+
 def test_what_is_left_of_the_whole_record_counts_where_it_is_more():
     """A lag shows itself at steps, and these may lie among the fitted samples."""
     unseen, whole = score_of(1.5, 1.0, 1.0, 1.0, 1.0, 1.0), score_of(*[4.0] * 8)
