@@ -56,9 +56,10 @@ right, and large errors count by their logarithm. Set on some fifty blind plants
 FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
 """The same for a cause that makes the stem stop and jump, in a record without stairs."""
 
-BEHIND, MOST_BEHIND = 0.01, 4.0
+BEHIND, BEHIND_A_LAW, MOST_BEHIND = 0.01, 0.1, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
-the gap to lose a factor e in likelihood, and the most that it loses so. White noise alone would tell tenths of that."""
+the gap to lose a factor e in likelihood; the same where they differ by the law of the slips, as searches for one end
+nowhere exact; and the most that it loses so. White noise alone would tell tenths of the first."""
 
 NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.2, 0.35
 """The same for one effect more, beyond what another form may leave: two effects below notice leave as much; the share
@@ -221,6 +222,12 @@ def makes_slips(candidate: Candidate) -> bool:
     return any(effect_of_key(key).breakaway for key in candidate.fit.model.effects)
 
 
+def differ_by_law(candidate: Candidate, other: Candidate) -> bool:
+    """Return whether two causes differ by the law alone by which the stem stops and jumps."""
+    both = [{key for key in each.effects if effect_of_key(key).breakaway} for each in (candidate, other)]
+    return set(candidate.effects) ^ set(other.effects) == both[0] ^ both[1] and all(both) and both[0] != both[1]
+
+
 def reads_coarsely(candidate: Candidate) -> bool:
     """Return whether one of a cause's effects is read off the readings, as the steps in which they come are."""
     return any(effect_of_key(key).is_read_off for key in candidate.fit.model.effects)
@@ -258,15 +265,21 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
 
     for number, each in enumerate(candidates):
         peers = [
-            left(other, each) + BEHIND * max(other.freedom - each.freedom, 0)
+            (left(other, each) + BEHIND * max(other.freedom - each.freedom, 0), other)
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
         peers += [
-            left(other, each) + beyond(each, other) for other in others if len(other.effects) == len(each.effects) + 1
+            (left(other, each) + beyond(each, other), other)
+            for other in others
+            if len(other.effects) == len(each.effects) + 1
         ]
-        lost[number] = np.clip((left(each, each) - min(peers, default=math.inf)) / BEHIND, 0.0, MOST_BEHIND)
+        behind = [
+            (left(each, each) - reached) / (BEHIND_A_LAW if differ_by_law(each, other) else BEHIND)
+            for reached, other in peers
+        ]
+        lost[number] = np.clip(max(behind, default=0.0), 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
             for other in others

@@ -124,6 +124,15 @@ def test_what_lies_behind_by_more_than_the_error_cannot_be_taken_for_a_cause(mon
     assert judgement.rivals_of(1, tried, judged) == [("spring_hardening",)]
 
 
+def test_a_law_of_slips_loses_less_behind_another_law_than_an_effect_behind_another(monkeypatch):
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    base, law = candidate(19.0), candidate(1.0, "spring_hardening", "stribeck")
+    others = candidate(1.2, "spring_hardening", "static_friction"), candidate(1.2, "air_leak", "stribeck")
+    assert judge([base, law, *others]).lost[1:] == pytest.approx([0.0, 2.0, judgement.MOST_BEHIND])
+    assert judge([base, law, candidate(1.2, "air_leak", "static_friction")]).lost[2] == judgement.MOST_BEHIND
+    assert judge([base, candidate(1.0, "static_friction"), candidate(1.2, "coil_lag")]).lost[2] == judgement.MOST_BEHIND
+
+
 @pytest.mark.parametrize(("numbers", "lost"), [(3, 4.0), (4, 0.0)])
 def test_what_comes_nearer_by_many_more_numbers_takes_nothing_from_others(monkeypatch, numbers, lost):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
