@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -10,7 +10,7 @@ from functools import partial
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import Look, look_alone, look_beside
 from diagnosis.trying import Candidate, Progress, Work, try_all
-from identification.bent_lines import BentLine, bent_line, on_the_line, straight_line
+from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
 from identification.holdout import Holdout
@@ -42,6 +42,10 @@ effect's own numbers take in a part of any error."""
 
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
+
+
+Bend = Callable[[Fit, Line, Effect], BentLine | None]
+"""How a line is bent by an effect."""
 
 
 def beside_slips(
@@ -80,8 +84,8 @@ def beside_slips(
     line = straight_line(base.fit)
     on_top = beside_the_best(alone, laws[0])
     # Where all breakaways lie on the line as it is, only slips tell; a law that gains little alone has none there.
-    is_best = is_best_alone(laws[0], alone)
-    if line is None or (line.is_explained and not is_best and misfit(laws[0]) > SOME * misfit(base)):
+    is_best, gains = is_best_alone(laws[0], alone), misfit(laws[0]) <= SOME * misfit(base)
+    if line is None or (line.is_explained and not is_best and not gains):
         return try_all(on_top, holdout, pool, progress, WHAT)
     progress("what sets how far the slips go", 0.0)
     keys = [law.effects[0] for law in laws[:MAKERS]]
@@ -92,7 +96,7 @@ def beside_slips(
     if line.error <= LIES_ON * line.count:
         # What is seen elsewhere would bend it, or shapes the slips.
         effects = list(filter(is_unseen_elsewhere, effects))
-    bent = bent_lines(base.fit, line, effects, pool, progress)
+    bent = bent_lines(base.fit, line, effects, pool, progress, is_thorough=gains)
     if not bent:
         return try_all(on_top, holdout, pool, progress, WHAT)
     worth = [
@@ -104,7 +108,8 @@ def beside_slips(
     if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
-    return try_all(nearest_at_slips(looked, at_slips.error), holdout, pool, progress, WHAT)
+    brought = bent[0].effect.key if bent[0].line.is_explained and not line.is_explained else None
+    return try_all(nearest_at_slips(looked, at_slips.error, brought), holdout, pool, progress, WHAT)
 
 
 def is_unseen_elsewhere(effect: Effect) -> bool:
@@ -118,7 +123,7 @@ def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None,
     if line is None or line.is_explained or line.breakaways.on_the_way(line.point) < LEAST_STEPS:
         return False
     # The lines that cost least come first: one is enough.
-    laid = lines_with(base, line, sorted(effects, key=lambda each: each.acts_in_time), pool, progress)
+    laid = lines_with(bent_line, base, line, sorted(effects, key=lambda each: each.acts_in_time), pool, progress)
     return any(each is not None and each.line.is_explained for each in laid)
 
 
@@ -128,14 +133,15 @@ def stops_by_reading(cause: Candidate) -> bool:
     return effect.stops_again and not effect.breakaway
 
 
-def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
+def nearest_at_slips(looked: Sequence[Look], alone: float, brought: str | None = None) -> list[Work]:
     """Return the work whose law comes nearest at the slips, each judged by itself, the best first.
 
     Several effects bend the line as well as each other, and the law that is better alone may be the wrong one: a quick
     look at the slips tells. Both laws are kept beside the nearest effect only. What comes hardly nearer there than a
-    law `alone` is not searched for whole.
+    law `alone` is not searched for whole, unless the effect is the one that `brought` the breakaways onto the line.
     """
-    begun = sorted((each for each in looked if each.error < NEARER_AT_SLIPS * alone), key=lambda each: each.error)
+    near = [each for each in looked if each.error < NEARER_AT_SLIPS * alone or (each.slips and each.bend == brought)]
+    begun = sorted(near, key=lambda each: each.error)
     close = [each for each in begun if each.error <= CLOSE_AT_SLIPS * begun[0].error]
     best: dict[str, Look] = {}
     for each in close:
@@ -146,20 +152,34 @@ def nearest_at_slips(looked: Sequence[Look], alone: float) -> list[Work]:
 
 
 def bent_lines(
-    base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
+    base: Fit,
+    line: Line,
+    effects: Sequence[Effect],
+    pool: Executor | None,
+    progress: Progress,
+    *,
+    is_thorough: bool = False,
 ) -> list[BentLine]:
-    """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first."""
-    laid = lines_with(base, line, effects, pool, progress)
-    bent = sorted((each for each in laid if each is not None), key=lambda each: each.line.error)
+    """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first.
+
+    A search that `is_thorough` lays lines afresh from the valve as it was given where they lie on none.
+    """
+    laid = [each for each in lines_with(bent_line, base, line, effects, pool, progress) if each is not None]
+    if is_thorough and not (line.is_explained or any(each.line.is_explained for each in laid)):
+        laid += [each for each in lines_with(bent_afresh, base, line, effects, pool, progress) if each is not None]
+    best: dict[str, BentLine] = {}
+    for each in sorted(laid, key=lambda each: each.line.error):
+        best.setdefault(each.effect.key, each)
+    bent = list(best.values())
     return [each for each in bent if each.line.is_explained or each.line.error <= AS_WELL * bent[0].line.error]
 
 
 def lines_with(
-    base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
+    bend: Bend, base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> Iterator[BentLine | None]:
     """Return the lines with each of some effects, as they are done; those that nobody waits for are not begun."""
     progress("what bends the line through the breakaways", 0.0)
-    return iter((pool.map if pool else map)(partial(bent_line, base, line), effects))
+    return iter((pool.map if pool else map)(partial(bend, base, line), effects))
 
 
 def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:

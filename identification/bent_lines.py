@@ -13,7 +13,7 @@ from identification.fit import Fit, finished
 from identification.hints import starts_of
 from identification.problem import Problem
 from identification.screening import SHRUNK, as_given, joined, residual_positions, resized
-from identification.search import Found, errors
+from identification.search import Found, Start, errors
 from identification.stick_slip import HIDES_THE_LINE, SHAPES_SLIPS
 from valvemodel.declarations import Effect
 
@@ -27,9 +27,10 @@ LEAST_BREAKAWAYS = 12
 MUCH_NEARER = 0.3
 """Share of the line's error below which an effect must bring it, unless the line explains the breakaways as it is."""
 
-FOLLOWED, AFRESH, RUNGS = 2, 1, 6
+FOLLOWED, AFRESH, RUNGS, ALL_AFRESH = 2, 1, 6, 6
 """Most promising starts of an effect from which a line is laid, some lead where none follows: beside the line without
-it, and beside the valve as it was given unless the pressure moves by it; and rungs of a ladder."""
+it, and beside the valve as it was given unless the pressure moves by it; rungs of a ladder; and starts beside the valve
+as it was given where no effect bends the line from those."""
 
 LATE = (1, 2, 4)
 """Samples that a reading that lags is tried to be late by."""
@@ -97,8 +98,25 @@ def bent_line(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         starts += promised(fit, line, effect, values, as_given(fit, fit.found.point))[:AFRESH]
     small = resized(effect, starts[0][0].model.effects[effect.key], SHRUNK)
     begun = [*(each[:2] for each in starts), joined(fit.problem, line.point, effect, small)]
+    return laid_from(begun, line, effect)
+
+
+@threadpool_limits.wrap(limits=1)
+def bent_afresh(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
+    """Bend the line of a fit by an effect beside the valve as it was given, as `bent_line` does beside the line.
+
+    Where an effect bends the line much neither the line without it nor what slopes promise leads there.
+    """
+    if effect.key in HIDES_THE_LINE | SHAPES_SLIPS or effect.is_read_off:
+        return None
+    starts = promised(fit, line, effect, list(starts_to_bend(fit, effect)), as_given(fit, fit.found.point))
+    return laid_from([each[:2] for each in starts[:ALL_AFRESH]], line, effect)
+
+
+def laid_from(starts: Sequence[Start], line: Line, effect: Effect) -> BentLine | None:
+    """Lay the line with an effect from one start after the other until it explains the breakaways; the best, if any."""
     laid: list[BentLine] = []
-    for problem, point in begun:
+    for problem, point in starts:
         laid.append(BentLine(effect, problem, line_through(replace(line.breakaways, problem=problem), point)))
         if laid[-1].line.error < LIES_ON * line.count:
             break

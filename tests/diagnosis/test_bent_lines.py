@@ -16,7 +16,7 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from identification.bent_lines import bent_line, on_the_line, straight_line
+from identification.bent_lines import bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
@@ -77,6 +77,21 @@ def test_play_puts_the_stem_before_the_reading_until_it_turns(given):
     assert 0.005 < abs(turned) < 0.03
     assert way_of(half, rising, falling) == pytest.approx(turned - np.sign(turned) * half, abs=4e-3 * half)
     assert abs(way_of(0.03, rising, falling)) <= 4e-3 * 0.03
+
+
+def test_what_bends_a_line_much_is_found_beside_the_valve_as_it_was_given(given):
+    plant = draw_plant(1427258035, ("static_friction", "position_dependent_friction"), nuisance=True)
+    holdout = hold_out([experiment_of(Record.from_arrays(name="plant", **measure(plant, 1400401582)))])
+    base = fit_base(given, holdout.experiments, holdout.fitted)
+    line, tight = straight_line(base), effect_of_key("position_dependent_friction")
+    assert line.error > 50.0 * line.count
+    assert bent_line(base, line, tight) is None
+    bent = bent_afresh(base, line, tight)
+    assert bent.line.is_explained
+    (spot,) = (truth for truth in plant.effects if truth.effect == tight.key)
+    found = bent.problem.values(bent.line.point)["tight_spot_position"]
+    assert found == pytest.approx(spot.parameters["centre"], abs=0.3 * spot.parameters["width"])
+    assert bent_afresh(base, line, effect_of_key("area_variation")) is None
 
 
 def test_play_shows_where_the_reading_turns(given):
@@ -345,6 +360,10 @@ def test_pairs_are_searched_for_whole_that_come_near_the_best_at_the_slips():
     # A law that comes nearly as near alone needs no other effect.
     assert [each.effects[0] for each in slips.nearest_at_slips(pairs, 4100.0)] == ["spring_hardening"]
     assert slips.nearest_at_slips(pairs, 3900.0) == []
+    # The breakaways themselves call for what alone brings them onto a line.
+    near = slips.nearest_at_slips(pairs, 3900.0, "linkage_nonlinearity")
+    assert [each.effects[0] for each in near] == ["linkage_nonlinearity"]
+    assert slips.nearest_at_slips(pairs, 3900.0, "gap_drift") == []
 
 
 def test_both_laws_are_searched_for_beside_the_nearest_effect_only():
