@@ -224,8 +224,9 @@ def makes_slips(candidate: Candidate) -> bool:
 
 def differ_by_law(candidate: Candidate, other: Candidate) -> bool:
     """Return whether two causes differ by the law alone by which the stem stops and jumps."""
-    both = [{key for key in each.effects if effect_of_key(key).breakaway} for each in (candidate, other)]
-    return set(candidate.effects) ^ set(other.effects) == both[0] ^ both[1] and all(both) and both[0] != both[1]
+    apart = set(candidate.effects) ^ set(other.effects)
+    is_law = all(effect_of_key(key).breakaway for key in apart)
+    return is_law and differ_by_aliases(candidate.effects, other.effects)
 
 
 def reads_coarsely(candidate: Candidate) -> bool:
