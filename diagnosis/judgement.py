@@ -224,9 +224,9 @@ def makes_slips(candidate: Candidate) -> bool:
 
 def differ_by_law(candidate: Candidate, other: Candidate) -> bool:
     """Return whether two causes differ by the law alone by which the stem stops and jumps."""
-    apart = set(candidate.effects) ^ set(other.effects)
-    is_law = all(effect_of_key(key).breakaway for key in apart)
-    return is_law and differ_by_aliases(candidate.effects, other.effects)
+    mine, theirs = (tuple(each.fit.model.effects) for each in (candidate, other))
+    is_law = all(effect_of_key(key).breakaway for key in set(mine) ^ set(theirs))
+    return is_law and differ_by_aliases(mine, theirs)
 
 
 def reads_coarsely(candidate: Candidate) -> bool:
