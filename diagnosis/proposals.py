@@ -236,7 +236,7 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best two effects that nearly explain the record, as work from every start in either order.
 
-    What is dear to run is left where it is: a search from every start takes as long as all the rest.
+    What is dear to run is searched for from its best starts alone: from every one that takes as long as all the rest.
     """
     pairs = best_of(tried, 2)
     if not nearly_explains(pairs[0], tried[0]):
@@ -245,12 +245,9 @@ def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
     near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * misfit(pairs[0])]
     orders = [order for first, second in near for order in ((first, second), (second, first))]
     return [
-        Work(alone[first].fit, (first, second), False, values[second], follows_all=True)
+        Work(alone[first].fit, (first, second), False, values[second], follows_all=not is_dear(second))
         for first, second in orders
-        if all(
-            key in alone and is_quick(key) and not (is_dear(key) or is_laid_on_top(alone[key]))
-            for key in (first, second)
-        )
+        if all(key in alone and is_quick(key) and not is_laid_on_top(alone[key]) for key in (first, second))
     ]
 
 

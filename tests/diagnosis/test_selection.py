@@ -309,6 +309,12 @@ def test_the_nearest_pairs_are_searched_for_from_every_start_in_either_order_whe
     assert [each.fit for each in work] == [each.fit for each in alone[:2]][: len(work)]
 
 
+def test_what_is_dear_to_run_is_not_searched_for_from_every_start_beside_another():
+    alone = [candidate(60.0, "sensor_lag"), candidate(1.7, "asymmetric_filling")]
+    work = proposals.nearly_together([candidate(90.0), *alone, candidate(1.4, "asymmetric_filling", "sensor_lag")])
+    assert {each.effects[1]: each.follows_all for each in work} == {"sensor_lag": True, "asymmetric_filling": False}
+
+
 def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
     """Saturation as fitted alone had gone astray beside a drift: on top of the drift it comes to the noise."""
     alone = [candidate(1.6, "friction_drift"), candidate(97.0, "magnetic_saturation"), candidate(88.0, "choked_flow")]
