@@ -43,9 +43,17 @@ def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, h
     assert points == asked
 
 
-@pytest.mark.parametrize(("beside", "expected"), [((), [1.0, 2.0, -1.0]), (("coil_lag",), [1.0, 2.0])])
-def test_the_valve_as_given_is_a_start_of_an_effect_alone(monkeypatch, beside, expected):
+@pytest.mark.parametrize(
+    ("beside", "is_off", "expected"),
+    [
+        ((), False, [1.0, 2.0, -1.0]),
+        (("end_stop",), False, [1.0, 2.0]),
+        (("end_stop",), True, [1.0, 2.0, -1.0]),
+    ],
+)
+def test_the_valve_as_given_is_a_start_alone_or_where_the_mass_is_far_off(monkeypatch, beside, is_off, expected):
     monkeypatch.setattr(extension, "as_given", lambda fit, point: -point)
+    monkeypatch.setattr(extension, "is_far_off", lambda fit: is_off)
     for choice in ("of_another_form", "of_another_side", "starts_traded"):
         monkeypatch.setattr(extension, choice, lambda *_: [])
     group = [Trial("problem", np.array([place]), 0.0) for place in (1.0, 2.0, 3.0)]
