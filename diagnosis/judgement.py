@@ -264,23 +264,21 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
         share = FORM_BESIDE if takes_most and not makes_slips(other) else 1.0
         return NEARER + share * FORM * max(misfit(candidates[0]) - 1.0, 0.0)
 
+    def behind(each: Candidate, other: Candidate, allowed: float) -> float:
+        unit = BEHIND_A_LAW if differ_by_law(each, other) else BEHIND
+        return (left(each, each) - left(other, each) - allowed) / unit
+
     for number, each in enumerate(candidates):
-        peers = [
-            (left(other, each) + BEHIND * max(other.freedom - each.freedom, 0), other)
+        losses = [
+            behind(each, other, BEHIND * max(other.freedom - each.freedom, 0))
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))
         ]
-        peers += [
-            (left(other, each) + beyond(each, other), other)
-            for other in others
-            if len(other.effects) == len(each.effects) + 1
+        losses += [
+            behind(each, other, beyond(each, other)) for other in others if len(other.effects) == len(each.effects) + 1
         ]
-        behind = [
-            (left(each, each) - reached) / (BEHIND_A_LAW if differ_by_law(each, other) else BEHIND)
-            for reached, other in peers
-        ]
-        lost[number] = np.clip(max(behind, default=0.0), 0.0, MOST_BEHIND)
+        lost[number] = np.clip(max(losses, default=0.0), 0.0, MOST_BEHIND)
         if each.has_series and any(
             not other.has_series and misfit(other) < AT_NOISE and len(other.effects) <= len(each.effects) + 1
             for other in others

@@ -7,6 +7,7 @@ import math
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
+from identification.screening import as_given
 from identification.search import descend_to_end
 
 MASS = "stem_mass"
@@ -28,10 +29,9 @@ def begun_again(fit: Fit) -> Fit:
     a side minimum: between it and the right one lie swings that the readings do not show. Where all its forces are
     many times too small with it, no change of the mass alone leads out.
     """
-    in_base = [each.name in fit.model.values for each in fit.unknowns]
+    with_mass = fit.found.point.copy()
+    with_mass[[each.name == MASS for each in fit.unknowns]] = 0.0
     best = fit.found
-    for returned in ([each.name == MASS for each in fit.unknowns], in_base):
-        point = fit.found.point.copy()
-        point[returned] = 0.0
+    for point in (with_mass, as_given(fit, fit.found.point)):
         best = min(best, descend_to_end(fit.problem, point), key=lambda each: each.error)
     return fit if best is fit.found else finished(fit.problem, best)
