@@ -271,8 +271,7 @@ def worth_a_look_back(tried: Sequence[Candidate], size: int) -> list[Candidate]:
         each
         for each in best_of(tried, size)[:LOOKED_BACK]
         if misfit(each) < far
-        and (size > 2 or goes_in_jumps(each))
-        and not each.has_series
+        and (size > 2 or (goes_in_jumps(each) and not each.has_series))
         and not any(effect_of_key(key).is_chaotic for key in each.effects)
     ]
 

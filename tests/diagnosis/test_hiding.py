@@ -108,6 +108,17 @@ def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_mo
     assert judged.evidence[1] - judged.evidence[2] < 0.2
 
 
+def test_what_another_form_may_leave_excuses_little_where_a_second_effect_takes_it_in_to_the_noise(monkeypatch):
+    """A base that leaves 500 times the noise allows one effect 2.5 for its form, beside two at the noise a twentieth."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    single, pair = ("friction_drift",), ("friction_drift", "magnetic_saturation")
+    tried = [candidate(485.0), candidate(1.39, *single), replace(candidate(1.01, *pair), freedom=5)]
+    judged = judge(tried)
+    assert judged.lost == pytest.approx([judgement.MOST_BEHIND] * 2 + [0.0])
+    assert judged.probabilities[2] > judged.probabilities[1]
+    assert judge([tried[0], candidate(1.2, *single), tried[2]]).lost[1] == 0.0
+
+
 def test_which_cause_leaves_less_of_a_coarse_reading_than_the_noise_tells_nothing(monkeypatch):
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     pairs = [("area_variation", "quantisation"), ("spring_hardening", "quantisation"), ("gap_drift", "quantisation")]

@@ -54,7 +54,8 @@ def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
     tried = [candidate(90.0), candidate(30.0, "coil_lag"), candidate(20.0, "coil_lag", "end_stop")]
     near, far = candidate(1.4, "coil_lag", "end_stop", "air_leak"), candidate(19.0, "coil_lag", "end_stop", "gap_drift")
     assert selection.worth_a_look_back([*tried, far, near], 3) == [near]
-    assert selection.worth_a_look_back([*tried, waves(1.0, "coil_lag", "end_stop", "load_force")], 3) == []
+    load = waves(1.0, "coil_lag", "end_stop", "load_force")
+    assert selection.worth_a_look_back([*tried, load], 3) == [load]
     assert selection.worth_a_look_back(tried, 3) == []
 
 
