@@ -109,7 +109,7 @@ def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_mo
 
 
 def test_what_another_form_may_leave_excuses_little_where_a_second_effect_takes_it_in_to_the_noise(monkeypatch):
-    """A base that leaves 500 times the noise allows one effect 2.5 for its form, beside two at the noise a twentieth."""
+    """A base at 500 times the noise allows one effect 2.5 for its form; beside two at the noise, a twentieth."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     single, pair = ("friction_drift",), ("friction_drift", "magnetic_saturation")
     tried = [candidate(485.0), candidate(1.39, *single), replace(candidate(1.01, *pair), freedom=5)]
