@@ -10,7 +10,7 @@ from functools import partial
 
 from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import AT_NOISE, explains, leaves_nothing_to_tell, misfit, nearly_explains, stops_seen
-from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions
+from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, left_alone
 from diagnosis.standing import (
     best_of,
     blunt,
@@ -54,11 +54,15 @@ up to which one is whose runs are dear: from the 48 of asymmetric filling that t
 def try_first(
     base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways."""
+    """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways.
+
+    Where that leaves no trace beside another, the other alone had ended beside the least error.
+    """
     alone = try_alone(base, holdout, library, pool, progress)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    return [*alone, *beside_slips(alone, holdout, pool, progress)]
+    tried = [*alone, *beside_slips(alone, holdout, pool, progress)]
+    return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 
 
 def in_phase(

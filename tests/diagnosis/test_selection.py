@@ -59,6 +59,23 @@ def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
     assert selection.worth_a_look_back(tried, 3) == []
 
 
+def test_what_comes_nearer_beside_slips_that_leave_no_trace_is_tried_alone_from_there(monkeypatch):
+    alone = [candidate(90.0), candidate(9.0, "linkage_nonlinearity"), candidate(50.0, "static_friction")]
+    idle = replace(candidate(0.93, "linkage_nonlinearity", "static_friction"), trace=0.0)
+    for name, made in (("try_alone", alone), ("beside_slips", [idle]), ("nearly", []), ("blunt", [])):
+        monkeypatch.setattr(singles, name, lambda *_, made=made: made)
+    tried_alone = []
+
+    def try_all(work, *_):
+        tried_alone.extend(each.kin for each in work)
+        return [candidate(0.94, *each.effects) for each in work]
+
+    monkeypatch.setattr(singles, "try_all", try_all)
+    found = singles.try_first(alone[0], None, [], None, None)
+    assert tried_alone == [idle.fit] * 2
+    assert {each.effects: each.score.misfit for each in found}["linkage_nonlinearity",] == 0.94
+
+
 def test_of_two_effects_those_that_make_the_stem_jump_are_looked_back_from():
     tried = [candidate(90.0), candidate(2.1, "static_friction"), candidate(1.2, "asymmetric_friction", "coil_lag")]
     jumps, chaotic = (candidate(1.1, "asymmetric_friction", key) for key in ("static_friction", "stribeck"))
