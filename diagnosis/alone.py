@@ -14,6 +14,7 @@ from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, left
 from diagnosis.standing import (
     best_of,
     blunt,
+    has_read_off,
     is_dear,
     is_laid_on_top,
     is_near_noise,
@@ -111,8 +112,8 @@ def nearly(tried: Sequence[Candidate]) -> list[Work]:
         return []
     far = FAR_BEHIND * misfit(best[0])
     near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]
-    near = [each for each in near if misfit(each) < NEAR_IF_DEAR or not is_dear(each.effects[0])]
-    keys = [each.effects[0] for each in near if not is_laid_on_top(each)]
+    worth = [each for each in near if misfit(each) < NEAR_IF_DEAR or not is_dear(each.effects[0])]
+    keys = [each.effects[0] for each in worth if not is_laid_on_top(each)]
     return [Work(base.fit, (key,), False, follows_all=True) for key in keys if is_quick(key)]
 
 
@@ -185,10 +186,9 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
 
     Nor is one whose runs take long where a coarse reading comes nearest: it is searched for on top of that.
     """
-    nearest = min(tried, key=misfit)
-    is_read = any(effect_of_key(key).is_read_off for key in nearest.effects)
-    is_global = not (has_stops and effect.is_jagged and not effect.stops_again) and not (effect.is_chaotic and is_read)
-    return Work(base, (effect.key,), is_global, kin=kin_of(effect, tried))
+    leaves_stops = has_stops and effect.is_jagged and not effect.stops_again
+    comes_on_top = effect.is_chaotic and has_read_off(min(tried, key=misfit))
+    return Work(base, (effect.key,), not (leaves_stops or comes_on_top), kin=kin_of(effect, tried))
 
 
 def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:

@@ -65,7 +65,7 @@ NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.05, 0.35
 """The same for one effect more, beyond what another form may leave: two effects below notice leave as much; the share
 of that form that is allowed beside one more that comes to the noise, or takes in most of it; and what it leaves then: a
 wrong one seldom makes up for another's form so. Of single blind effects that left more than the notice none did, and
-what right ones leave hardly grows with the gap (37 of our own within 0.08 of the noise, to 1,500 times that)."""
+what right ones leave hardly grows with the gap (37 of our own within 0.09 of the noise, to 1,500 times that)."""
 
 MOST_IMITATED, IMITATES_FROM = 6.0, 1.1
 """The most that several effects lose so against the noise, one of which hides in the base valve, and the squared error

@@ -31,6 +31,7 @@ from diagnosis.standing import (
     best_of,
     blunt,
     breaks_away,
+    has_read_off,
     is_read_off,
     is_settled,
     is_worth_its_time,
@@ -66,7 +67,7 @@ ALIAS_ROUNDS = 2
 """Times that each of the best two effects makes room for those that come near it: both may be stand-ins."""
 
 BEGUN_AGAIN = 4
-"""Best causes of two effects that begin again from the given valve's mass where theirs is far off."""
+"""Best causes of two effects that begin again from the given valve's numbers where their mass is far off."""
 
 ALIASES_BEHIND = 10.0
 """Squared error over that of the best two effects from which those that differ by an alias are not searched about: of
@@ -252,12 +253,7 @@ def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
     """
     if any_explains(tried):
         return []
-    best = best_of(tried, 2)[:LEADERS]
-    return [
-        each
-        for each in best
-        if not breaks_away(each) and not any(effect_of_key(key).is_read_off for key in each.effects)
-    ]
+    return [each for each in best_of(tried, 2)[:LEADERS] if not (breaks_away(each) or has_read_off(each))]
 
 
 def worth_a_look_back(tried: Sequence[Candidate], size: int) -> list[Candidate]:

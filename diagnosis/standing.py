@@ -100,6 +100,11 @@ def is_read_off(candidate: Candidate) -> bool:
     return bool(candidate.effects) and all(effect_of_key(key).is_read_off for key in candidate.effects)
 
 
+def has_read_off(candidate: Candidate) -> bool:
+    """Return whether one of a cause's effects is read off the record."""
+    return any(effect_of_key(key).is_read_off for key in candidate.effects)
+
+
 def is_laid_on_top(candidate: Candidate) -> bool:
     """Return whether a cause of one effect is laid on top of another's fit, not under it."""
     return candidate.has_series or is_read_off(candidate)
