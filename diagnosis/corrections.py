@@ -117,20 +117,16 @@ class Corrected:
 
 def run_with_pressures(rows: np.ndarray, experiment: Experiment, pressures: np.ndarray) -> np.ndarray:
     """Return the readings of an experiment that each row of numbers makes of its own pressures, shape (p, n). [m]"""
-    readings = np.empty(pressures.shape)
+    time = experiment.drive[0]
+    readings = np.empty((len(pressures), len(time)))
     states, memories = np.zeros(1, STATE), np.zeros(1, MEMORY)
     for number, drive in enumerate(pressures):
         part = slice(number, number + 1)
         runs.run_chain(
-            rows[part], states, memories, experiment.time, drive, runs.FREE, chain.PRESSURE, SEARCH_TOLERANCE,
+            rows[part], states, memories, time, experiment.moving(drive), runs.FREE, chain.PRESSURE, SEARCH_TOLERANCE,
             readings[part], runs.NONE, runs.NONE,
         )  # fmt: skip
-    return readings
-
-
-def held(pressures: np.ndarray) -> np.ndarray:
-    """Return the pressures that are held from each sample on, of those that stand just before it, shape (p, n)."""
-    return np.concatenate([pressures[:, 1:], pressures[:, -1:]], axis=1)
+    return readings[:, :: experiment.parts]
 
 
 def closed_of(missed: float, left: float, noise: float) -> float | None:
@@ -198,7 +194,7 @@ def corrected_at(stretch: Experiment, base: Fit, start: float, place: str) -> Co
     return Corrected(
         experiment=stretch,
         rows=base.model.rows(start_position=start),
-        pressure=held(simulated.pressure)[0],
+        pressure=stretch.held_from(simulated.pressure[0]),
         reading=simulated.position[0],
         pressure_of_noise=stretch.noise * values["spring_rate"] / values["diaphragm_area"],
         hats=hats_of(stretch.time),

@@ -11,29 +11,26 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from diagnosis.alone import in_phase, library_for, try_first
 from diagnosis.base_numbers import BaseNumber, base_numbers
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
 from diagnosis.display import Told
 from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
-from diagnosis.parts import evenly_parted, parted
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import Curve, residual_curves
-from diagnosis.sampling import largest_error, with_sampling_error
-from diagnosis.score import Errors, closed_interval, closed_share, errors_of, score_fit
-from diagnosis.selection import select, try_together
+from diagnosis.score import Errors, closed_interval, closed_share, errors_of
+from diagnosis.searching import Search
 from diagnosis.sham import Control, control_of
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
-from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
+from identification.between_rows import said_of_motion
 from identification.cores import workers
 from identification.experiment import Experiment
-from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
-from identification.holdout import Holdout, hold_out
+from identification.fit import Fit, fitted_to_all, simulate_model
+from identification.holdout import Holdout
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates
 from valvemodel.effects import are_aliases, effect_of_key
@@ -269,30 +266,12 @@ def diagnose_with(
 ) -> Diagnosis:
     """Diagnose, as `diagnose` says, with the processes of a pool."""
     began = time.perf_counter()
-    experiments, notes = experiments_of(records)
-    holdout = hold_out(experiments)
-    library = library_for(holdout, candidates)
-    progress("refitting the base valve", 0.0)
-    base = fit_base(model, holdout.experiments, holdout.fitted)
-    as_read = experiments
-    experiments, slowness = with_sampling_error(as_read, base)
-    sampling_error = largest_error(experiments, as_read)
-    if slowness:
-        holdout, base = parted(experiments, model)
-    holdout, base = evenly_parted(holdout, base, model)
-    experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
-    first = Candidate((), base, score_fit(base, holdout))
-    tried = try_first(first, holdout, library, pool, progress)
-    seen = stairs_beside(tried, experiments, holdout, model)
-    for further in (in_phase, try_together):
-        if not seen:
-            tried = further(tried, holdout, pool, progress)
-            seen = stairs_beside(tried, experiments, holdout, model)
-    if seen:
-        experiments, holdout, base = seen
-        first = Candidate((), base, score_fit(base, holdout))
-        tried = select(first, holdout, library, pool, progress)
-    tried, hiding = with_hidden(tried, holdout, pool, progress)
+    held, notes = experiments_of(records)
+    searched = Search(model, candidates, pool, progress).on(held)
+    experiments, holdout, base, library = searched.experiments, searched.holdout, searched.base, searched.library
+    notes = said_of_motion(notes, experiments, held)
+    tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
+    first = tried[0]
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
@@ -333,7 +312,7 @@ def diagnose_with(
         as_given=as_given,
         refitted=getattr(first.score, yardstick),
         floor=floor,
-        sampling_error=sampling_error,
+        sampling_error=searched.sampling_error,
         yardstick=yardstick,
         holdout=holdout,
         given=model,
@@ -347,7 +326,7 @@ def diagnose_with(
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
         residual_curves=residual_curves(experiments, whole_base, likely) if verdict == "unknown" else [],
         steps=steps_of(as_given, tried, shown, floor, yardstick),
-        warnings=(*(each for record in records for each in record.warnings), *notes, *slowness, *control.notes),
+        warnings=(*(each for record in records for each in record.warnings), *notes, *searched.notes, *control.notes),
         seconds=time.perf_counter() - began,
     )
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.corrections import closed_of, held, in_means, run_with_pressures
+from diagnosis.corrections import closed_of, in_means, run_with_pressures
 from diagnosis.stage_functions import functions_of
 from identification.experiment import Experiment, simulate_rows
 from identification.fit import Fit, measured
@@ -157,7 +157,9 @@ class WithFunctions:
         if self.is_reading:
             return np.asarray(base.position + shifts)
         per_shift = rows["spring_rate"] / rows["diaphragm_area"]
-        return run_with_pressures(rows, self.experiment, held(base.pressure) + per_shift[:, None] * shifts)
+        return run_with_pressures(
+            rows, self.experiment, self.experiment.held_from(base.pressure) + per_shift[:, None] * shifts
+        )
 
     def residuals(self, points: np.ndarray) -> np.ndarray:
         """Return the errors in means of neighbouring samples, each by its weight, and the priors, shape (p, r)."""

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.corrections import held
 from diagnosis.own_signals import Explained
 from diagnosis.score import persistence_of
 from identification.experiment import Experiment
@@ -156,7 +155,7 @@ def curves_of_own_signals(explained: Sequence[Explained]) -> Iterator[Curve]:
         experiment, lead = each.experiment, each.lead
         values = lead.model.values
         run = simulate_model(lead.model, experiment, start_position=lead.start)
-        pressure, position = held(run.pressure)[0], run.position[0]
+        pressure, position = experiment.held_from(run.pressure[0]), run.position[0]
         speed = _slope(position, experiment.time)
         moves = np.diff(position, append=position[-1])
         direction = np.where(np.abs(moves) > STILL, np.sign(moves), np.nan)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from identification.between_rows import doubts_of
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
 
@@ -19,6 +20,9 @@ MOVING = 0.5
 
 WORTH_SAYING = 0.3
 """Error over the noise from which it counts."""
+
+KNOWN = 0.9
+"""Share of the readings, those that hang least on what the current did, of which the error is taken."""
 
 PARTS = 8
 """Parts into which a period is divided where the current ramps."""
@@ -54,7 +58,15 @@ def largest_error(blurred: Sequence[Experiment], as_read: Sequence[Experiment]) 
 
 
 def sampling_error(experiment: Experiment, base: Fit) -> float:
-    """Return by how much a reading differs where the current ramps from row to row instead of being held. [m]"""
+    """Return by how much a reading differs where the current goes another way from row to row than is taken. [m]
+
+    A current that moves on goes straight instead, or jumps earlier or later: what hangs on that was left out, but for
+    what was not known to, a tenth of the readings at most. One that is held ramps.
+    """
+    if experiment.parts > 1:
+        doubts, _ = doubts_of(experiment, base)
+        known = np.sort(doubts[np.isfinite(experiment.position)])
+        return float(np.sqrt(np.mean(known[: round(KNOWN * len(known))] ** 2)))
     steps = np.diff(experiment.current)
     if experiment.is_loop or np.median(np.diff(experiment.time)) < SLOW or np.mean(steps != 0.0) < MOVING:
         return 0.0

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.corrections import held
 from identification.experiment import simulate_rows
 from identification.problem import SEARCH_TOLERANCE, Problem
 from valvemodel.declarations import STAGES
@@ -177,7 +176,7 @@ def seen_by(problem: Problem, point: np.ndarray) -> Seen:
     experiment, row = problem.experiments[0], problem.rows(point[None, :], 0)
     numbers = {name: float(row[name][0]) for name in DRIVING}
     run = simulate_rows(experiment, row, tolerance=SEARCH_TOLERANCE, with_pressure=True)
-    position, pressure = run.position[0], held(run.pressure)[0]
+    position, pressure = run.position[0], experiment.held_from(run.pressure[0])
     speed = np.gradient(position, experiment.time)
     driving = numbers["diaphragm_area"] * pressure - numbers["spring_preload"] - numbers["spring_rate"] * position
     friction = (driving - numbers["viscous_friction"] * speed) / numbers["coulomb_friction"]

@@ -143,8 +143,7 @@ def stem_alone(model: Model) -> Model:
 
 def driven_by(experiment: Experiment, pressure: np.ndarray) -> Experiment:
     """Return an experiment whose input is the pressure of each sample, held through the period before it."""
-    held = np.append(pressure[1:], pressure[-1])
-    return replace(experiment, current=np.maximum(held, 0.0), pressure=None)
+    return replace(experiment, current=np.maximum(experiment.held_from(pressure), 0.0), pressure=None, late=0.0)
 
 
 def simulated_pressure(front: Fit, experiment: Experiment) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.corrections import PLACES, Correction, closed_of, held, smallest_correction, stretch_of
+from diagnosis.corrections import PLACES, Correction, closed_of, smallest_correction, stretch_of
 from diagnosis.own_signals import Explained, explained_by_stages
 from diagnosis.residual_curves import gap_at, opening_of
 from diagnosis.stage_gaps import BACK, FRONT, POSITION_AT_NOISE, StageGaps, rms, stage_gaps
@@ -161,7 +161,7 @@ def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
     simulated = simulate_model(base.model, stretch, start_position=start)
     missed = rms([stretch.position - simulated.position[0]])
     values = base.model.values
-    pressure = held(simulated.pressure)[0]
+    pressure = stretch.held_from(simulated.pressure[0])
     by_pressure = before.values * values["spring_rate"] / values["diaphragm_area"]
     opening, unit, moved = opening_of(base.model, pressure, by_pressure)
     opened = stretch.current if opening == "current" else gap_at(pressure, base.model)

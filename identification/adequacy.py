@@ -40,6 +40,8 @@ NEXT = "drive the valve up and down twice through at least a quarter of its trav
 
 ONE_WAY = "the stem moves one way only"
 
+MOVED_UNSEEN = "the current went on between the rows, and how late it came is told by the same readings"
+
 
 def adequate(experiments: Sequence[Experiment]) -> tuple[list[Experiment], list[str]]:
     """Return the experiments without clipped readings, and what to record next where they say little.
@@ -66,7 +68,10 @@ def adequate(experiments: Sequence[Experiment]) -> tuple[list[Experiment], list[
 
 def undetermined_by(experiments: Sequence[Experiment]) -> dict[str, str]:
     """Return the parameters that no fit of these experiments may give a confident number, with the reason."""
-    return {"coulomb_friction": ONE_WAY} if _most_turns(experiments) == 0 else {}
+    lacking = {"coulomb_friction": ONE_WAY} if _most_turns(experiments) == 0 else {}
+    if any(experiment.parts > 1 for experiment in experiments):
+        lacking["viscous_friction"] = MOVED_UNSEEN
+    return lacking
 
 
 def check(experiment: Experiment) -> None:

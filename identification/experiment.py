@@ -13,6 +13,7 @@ from identification.cores import in_parts
 from identification.noise import flicker_level, noise_level
 from valvemodel import chain, loops, runs
 from valvemodel.parameters import MEMORY, STATE
+from valvemodel.periods import finer, passing
 from valvemodel.records import Record
 
 SETTLING_TIME = 5.0
@@ -73,6 +74,14 @@ class Experiment:
         Error of the position far beyond which a sample counts by the logarithm; infinite for plain squares.
     start : float [s]
         What the record's own time is at 0.
+    reads_at_end : bool
+        Whether a row of the record holds the state at its period's end: each reading stands a sample later here.
+    parts : int
+        Parts into which a period is divided where the current moves on, through it, to that of the next sample; 1 where
+        it is held.
+    late : float
+        Share of a period by which a current that moves on comes later than its rows say, as one that is held for
+        shorter periods does.
     """
 
     name: str
@@ -87,6 +96,9 @@ class Experiment:
     is_ramped: bool = False
     reach: float = math.inf
     start: float = 0.0
+    reads_at_end: bool = False
+    parts: int = 1
+    late: float = 0.0
 
     @property
     def record_time(self) -> np.ndarray:
@@ -120,8 +132,29 @@ class Experiment:
 
     def is_same(self, other: Experiment) -> bool:
         """Return whether another holds the same samples: one that comes back from another process does."""
-        own, others = ((each.time, each.current, each.position) for each in (self, other))
+        own, others = ((each.time, each.current, each.position, each.parts, each.late) for each in (self, other))
         return self is other or all(map(partial(np.array_equal, equal_nan=True), own, others))
+
+    @cached_property
+    def drive(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and held currents that a run takes, both of shape ((n - 1) parts + 1,). [s], [A]"""
+        return finer(self.time, self.parts), self.moving(self.current)
+
+    def moving(self, signal: np.ndarray) -> np.ndarray:
+        """Return a signal, shape (n,), as a run takes it: itself where it is held, else through each period."""
+        return signal if self.parts == 1 else np.maximum(passing(signal, self.parts, self.late), 0.0)
+
+    def held_from(self, signal: np.ndarray) -> np.ndarray:
+        """Return what drives a run, shape (..., n), where a signal stands just before each sample, as pressure does."""
+        return np.concatenate([signal[..., 1:], signal[..., -1:]], axis=-1) if self.parts == 1 else signal
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """Return what stands at the samples, shape (n,), among the times of a run: NaN between them."""
+        if self.parts == 1 or not len(values):
+            return values
+        among = np.full((len(self.time) - 1) * self.parts + 1, np.nan)
+        among[:: self.parts] = values
+        return among
 
     @property
     def has_stairs(self) -> bool:
@@ -200,7 +233,7 @@ def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool
     is_loop = record.time is None
     return Experiment(
         record.name, time, current, position, pressure, noise, pressure_noise, block, is_loop, is_loop and is_ramped,
-        start=start,
+        start=start, reads_at_end=reads_at_end,
     )  # fmt: skip
 
 
@@ -248,9 +281,11 @@ def simulate_rows(
 
     Each step of a loop is settled in closed form where the model allows it, else its current is held for some seconds.
     """
-    shape = (len(rows), len(experiment.time))
     if experiment.is_loop and in_closed_form:
         return _settled(experiment, rows)
+    time, drive = experiment.drive
+    anchors = experiment.spread(anchors)
+    shape = (len(rows), len(time))
     smooth = np.empty(shape)
     pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
     step, offset = _without_steps(experiment, rows)
@@ -259,11 +294,13 @@ def simulate_rows(
         some = rows[part]
         noted = (pressure[part], mode[part]) if with_pressure else (runs.NONE, runs.NONE)
         runs.run_chain(
-            some, np.zeros(len(some), STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, anchors,
-            chain.CURRENT, tolerance, smooth[part], *noted,
+            some, np.zeros(len(some), STATE), np.zeros(1, MEMORY), time, drive, anchors, chain.CURRENT, tolerance,
+            smooth[part], *noted,
         )  # fmt: skip
 
     in_parts(run, len(rows))
+    if experiment.parts > 1:
+        smooth, pressure, mode = (each[:, :: experiment.parts] for each in (smooth, pressure, mode))
     position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
     return Simulated(position, pressure, mode, step, smooth)
 
@@ -317,15 +354,17 @@ def score_rows(
     """
     if experiment.is_loop and in_closed_form:
         return np.nansum(np.where(used, experiment.errors_of(_settled(experiment, rows)), np.nan) ** 2, axis=1)
-    measured = np.where(used, experiment.position, np.nan)
+    time, drive = experiment.drive
+    anchors = experiment.spread(anchors)
+    measured = experiment.spread(np.where(used, experiment.position, np.nan))
     sums, noise_square = np.empty(len(rows)), experiment.noise**2
     most = noise_square * np.asarray(most) * np.ones(len(rows))
     step, _ = _without_steps(experiment, rows)
 
     def score(part: slice) -> None:
         runs.score_rows(
-            rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), experiment.time, experiment.current, measured,
-            within * step, experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
+            rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), time, drive, measured, within * step,
+            experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
             np.empty(len(measured)), most[part], sums[part],
         )  # fmt: skip
 

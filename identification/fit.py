@@ -127,11 +127,14 @@ def finished(problem: Problem, found: Found) -> Fit:
 
 
 @threadpool_limits.wrap(limits=1)
-def fitted_to_all(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
-    """Fit the unknowns of a fit once more, to all that was measured, from where they are."""
+def fitted_to_all(fit: Fit, experiments: Sequence[Experiment], *, starts_anew: bool = False) -> Fit:
+    """Fit the unknowns of a fit once more, to all that was measured, from where they are.
+
+    The start positions are those of its own experiments, in their order, or begin anew at the first readings.
+    """
     pairs = list(zip(fit.unknowns, fit.found.point, strict=True))
     kept = [pair for pair in pairs if pair[0].experiment < 0]
-    starts = {unknown.experiment: (unknown, x) for unknown, x in pairs if unknown.experiment >= 0}
+    starts = {unknown.experiment: (unknown, x) for unknown, x in pairs if unknown.experiment >= 0 and not starts_anew}
     for number, experiment in enumerate(experiments):
         kept.append(starts.get(number) or (start_unknown(experiment.first_reading, number), 0.0))
     problem = replace(

@@ -87,7 +87,7 @@ def run_blindtest(
     """
     places, tasks = Places(make_folder(folder)), tasks_of(settings, plants)
     check_settings(places, settings)
-    making = partial(make_plant, places=places, with_pressure=settings.with_pressure)
+    making = partial(make_plant, places=places, settings=settings)
     _all(making, tasks, jobs, "making plants", progress)
     whole = seal(tasks, places, settings)
     _all(partial(answer_task, places=places, has_baseline=has_baseline), tasks, jobs, "diagnosing", progress)

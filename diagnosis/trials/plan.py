@@ -32,12 +32,15 @@ class Settings:
         Keys of the effects that plants have; all where empty.
     with_pressure : bool
         Whether the pressure is measured too.
+    every : int
+        Of the rows as they are driven so many are one of the record, as of a logger that is slower.
     """
 
     seed: int = 0
     kinds: tuple[str, ...] = KINDS
     only: tuple[str, ...] = ()
     with_pressure: bool = False
+    every: int = 1
 
     def __post_init__(self) -> None:
         for kind in self.kinds:
@@ -53,6 +56,7 @@ class Settings:
             "kinds": list(self.kinds),
             "only": list(self.only),
             "with_pressure": self.with_pressure,
+            "every": self.every,
         }
 
 

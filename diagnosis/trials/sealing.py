@@ -42,7 +42,7 @@ class Places:
         return self.folder / "sealed" / f"{task.name}.json"
 
 
-def make_plant(task: Task, places: Places, with_pressure: bool) -> None:
+def make_plant(task: Task, places: Places, settings: Settings) -> None:
     """Draw a plant, take its record and write its truth, unless that was done before."""
     if places.truth(task).exists():
         return
@@ -51,7 +51,8 @@ def make_plant(task: Task, places: Places, with_pressure: bool) -> None:
     make_folder(record.parent)
     make_folder(truth.parent)
     beside = record.with_suffix(".unfinished")
-    write_record(beside, measure(plant, task.seeds["record"], with_pressure=with_pressure))
+    measured = measure(plant, task.seeds["record"], with_pressure=settings.with_pressure)
+    write_record(beside, {name: values[:: settings.every] for name, values in measured.items()})
     os.replace(beside, record)
     content = {"plant": plant.described(), "kind": task.kind, "seeds": task.seeds, "record_sha256": hash_of(record)}
     write_text(truth, json.dumps(content, indent=1) + "\n")
@@ -77,7 +78,7 @@ def check_settings(places: Places, settings: Settings) -> None:
     """Refuse a folder that holds another test."""
     if not places.seal.exists():
         return
-    before = read_seal(places)["settings"]
+    before = Settings().as_json() | read_seal(places)["settings"]
     if before != settings.as_json():
         changed = [name for name, value in settings.as_json().items() if before.get(name) != value]
         raise InputError(

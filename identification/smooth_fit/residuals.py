@@ -11,8 +11,9 @@ from identification.experiment import Experiment
 from identification.problem import LOST, Problem
 from identification.unknowns import Unknown
 from valvemodel.model import Model
+from valvemodel.periods import finer
 from valvemodel.smooth.chain import WIDTH, SmoothChain, parts_for
-from valvemodel.smooth.delay import delayed_current, finer
+from valvemodel.smooth.delay import delayed_current
 from valvemodel.smooth.rounding import Expression
 
 
@@ -131,8 +132,8 @@ class _Run:
 
 def chain_for(model: Model, experiment: Experiment) -> SmoothChain:
     """Return the smooth chain of a model, its periods cut as the experiment's sampling asks for."""
-    period = float(np.median(np.diff(experiment.time)))
-    return SmoothChain(model, parts=parts_for(model, period))
+    period = float(np.median(np.diff(experiment.time))) / experiment.parts
+    return SmoothChain(model, parts=experiment.parts * parts_for(model, period))
 
 
 def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: Expression, width: Expression) -> Expression:
@@ -146,8 +147,9 @@ def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: Expression, wi
 def arriving_function(experiment: Experiment, chain: SmoothChain) -> ca.Function:
     """Return the function from a delay [s] to the current that arrives in each part, and its derivative."""
     delay = ca.MX.sym("delay")
+    (time, current), parts = experiment.drive, chain.parts // experiment.parts
     if "transport_delay" in chain.parameters:
-        arriving = delayed_current(experiment.time, experiment.current, delay, chain.parts)
+        arriving = delayed_current(time, current, delay, parts)
     else:
-        arriving = ca.MX(ca.DM(np.repeat(experiment.current[:-1], chain.parts)).T)
+        arriving = ca.MX(ca.DM(np.repeat(current[:-1], parts)).T)
     return ca.Function("arriving", [delay], [arriving, ca.jacobian(arriving, delay).T])

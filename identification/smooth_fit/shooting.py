@@ -11,7 +11,7 @@ from identification.problem import Problem
 from identification.search import Found
 from identification.smooth_fit.residuals import arriving_function, chain_for, parameters_of
 from identification.unknowns import Unknown
-from valvemodel.smooth.delay import finer
+from valvemodel.periods import finer
 
 SEGMENT_TIME = 2.0
 """Usual length of a segment. [s]"""

@@ -66,7 +66,8 @@ def _apart(fit: Fit, width: float) -> list[np.ndarray]:
     """Return smooth less exact readings of the same numbers on each experiment. [m]"""
     apart = []
     for experiment, start in zip(fit.problem.experiments, fit.starts, strict=True):
-        given: dict[str, Any] = {"time": experiment.time, "current": experiment.current, "start_position": start}
+        time, current = experiment.drive
+        given: dict[str, Any] = {"time": time, "current": current, "start_position": start}
         chain = chain_for(fit.model, experiment)
         apart.append(run_smooth(chain, width=width, **given) - simulate(fit.model, **given).position)
     return apart

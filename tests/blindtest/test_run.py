@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant
@@ -11,7 +12,7 @@ from diagnosis.trials import answering
 from diagnosis.trials.baseline import name_by_least_squares
 from diagnosis.trials.blindtest import run_blindtest
 from diagnosis.trials.plan import Settings, tasks_of
-from diagnosis.trials.sealing import Places, hash_of, hash_of_all, open_truth, read_seal
+from diagnosis.trials.sealing import Places, check_settings, hash_of, hash_of_all, make_plant, open_truth, read_seal
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import read_record
@@ -76,6 +77,29 @@ def test_same_command_goes_on_and_more_plants_come_on_top(sealed_once: Path, bro
 def test_folder_of_another_test_is_refused(sealed_once: Path):
     with pytest.raises(InputError, match="another seed"):
         run_blindtest(Settings(seed=6, kinds=("single",), only=("end_stop",)), 1, sealed_once)
+
+
+def test_a_slower_logger_reads_some_of_the_same_rows(sealed_once: Path, tmp_path: Path):
+    slow = replace(QUICK, every=4)
+    (task,), places = tasks_of(slow, 1), Places(tmp_path)
+    make_plant(task, places, slow)
+    whole, some = (read_record(each.record(task)) for each in (Places(sealed_once), places))
+    for name in ("time", "current", "position"):
+        assert np.array_equal(getattr(some, name), getattr(whole, name)[::4])
+
+
+def test_a_folder_from_before_there_were_slower_loggers_goes_on(sealed_once: Path):
+    places = Places(sealed_once)
+    before = places.seal.read_text()
+    content = json.loads(before)
+    del content["settings"]["every"]
+    places.seal.write_text(json.dumps(content))
+    try:
+        check_settings(places, QUICK)
+        with pytest.raises(InputError, match="every"):
+            check_settings(places, replace(QUICK, every=4))
+    finally:
+        places.seal.write_text(before)
 
 
 @pytest.mark.parametrize("place", ["sealed/plant-0001.json", "records/plant-0001.csv"])

@@ -9,13 +9,17 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.diagnosing import diagnose
 from diagnosis.sampling import with_sampling_error
 from diagnosis.trials.marking import CONFIDENT
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from valvemodel.commands import command_line
 from valvemodel.control.controller import Controller
+from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.valves import read_valve
 
 RATED_TRAVEL = 0.25
 SPRING_RATE, AREA, COULOMB = 60e3, 0.0645, 1100.0
@@ -75,3 +79,16 @@ def test_fast_rows_have_no_sampling_error(given, quiet) -> None:
     (same,), notes = with_sampling_error([quiet], fit_base(given, [quiet]))
     assert same is quiet
     assert not notes
+
+
+@pytest.mark.parametrize("effect", ["position_dependent_friction", ""])
+def test_a_logger_five_times_slower_than_the_driver_names_what_is_there(effect: str) -> None:
+    keys = (effect,) if effect else ()
+    taken = measure(draw_plant(5, keys), 1005)
+    slow = Record.from_arrays(name="slow", **{name: values[::5] for name, values in taken.items()})
+    valve = read_valve("calibrated")
+    found = diagnose([slow], Model(valve.name, valve.values), jobs=2)
+    assert any("between the rows" in each for each in found.warnings)
+    assert found.cause.effects == keys
+    assert found.verdict == ("effect" if effect else "none")
+    assert found.cause.errors.rms < 1.25 * found.floor

@@ -20,7 +20,8 @@ Examples:
   valvemodel blindtest --out blind
   valvemodel blindtest --plants 600 --baseline --out blind
   valvemodel blindtest --plants 27 --kinds single --out singles
-  valvemodel blindtest --plants 10 --kinds single,left-out --only coil_lag --out lag""",
+  valvemodel blindtest --plants 10 --kinds single,left-out --only coil_lag --out lag
+  valvemodel blindtest --every 5 --out slow""",
 )
 @click.option("--plants", type=click.IntRange(min=1), default=200, show_default=True, help="How many valves.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Another one, other valves.")
@@ -42,6 +43,13 @@ Examples:
     help="Valves with this effect only; may be given several times.",
 )
 @click.option("--pressure", is_flag=True, help="Measure the pressure too.")
+@click.option(
+    "--every",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Read every so many rows alone, as a logger does that is slower than what drives the valve.",
+)
 @click.option("--baseline", is_flag=True, help="Run a trivial baseline beside the diagnosis.")
 @click.option(
     "--out",
@@ -58,6 +66,7 @@ def blindtest(
     kinds: str,
     only: tuple[str, ...],
     pressure: bool,
+    every: int,
     baseline: bool,
     out: Path,
     as_json: bool,
@@ -73,7 +82,7 @@ def blindtest(
     from diagnosis.trials.plan import Settings
     from diagnosis.trials.words import lines_of
 
-    settings = Settings(seed, tuple(dict.fromkeys(each.strip() for each in kinds.split(","))), only, pressure)
+    settings = Settings(seed, tuple(dict.fromkeys(each.strip() for each in kinds.split(","))), only, pressure, every)
     try:
         with progress_shown() as progress:
             test = run_blindtest(settings, plants, out, has_baseline=baseline, jobs=jobs, progress=progress)

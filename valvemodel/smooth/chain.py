@@ -12,9 +12,10 @@ import casadi as ca
 import numpy as np
 
 from valvemodel.model import Model
+from valvemodel.periods import finer
 from valvemodel.smooth import electromagnet, nozzle, sensor, stem
 from valvemodel.smooth.contact import CONTACTS
-from valvemodel.smooth.delay import delayed_current, finer
+from valvemodel.smooth.delay import delayed_current
 from valvemodel.smooth.rounding import Expression
 
 WIDTH = "smoothing_width"

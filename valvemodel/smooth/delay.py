@@ -5,16 +5,11 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from valvemodel.periods import finer
 from valvemodel.smooth.rounding import Expression
 
 BEFORE = 1e6
 """The first current has stood at the line's entry for this long. [s]"""
-
-
-def finer(time: np.ndarray, parts: int) -> np.ndarray:
-    """Return instants that cut each period into equal parts, shape ((n - 1) parts + 1,). [s]"""
-    within = np.diff(time)[:, None] * np.arange(parts) / parts
-    return np.append((time[:-1, None] + within).ravel(), time[-1])
 
 
 def delayed_current(time: np.ndarray, current: np.ndarray, delay: Expression, parts: int) -> Expression:

@@ -1,0 +1,110 @@
+"""The search for causes, from a valve's experiments to all that was tried on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from diagnosis.alone import in_phase, library_for, try_first
+from diagnosis.explaining import AT_NOISE, misfit
+from diagnosis.parts import evenly_parted, parted
+from diagnosis.sampling import largest_error, with_sampling_error
+from diagnosis.score import score_fit
+from diagnosis.selection import select, try_together
+from diagnosis.stairs import on_stairs, stairs_beside
+from diagnosis.trying import Candidate, Progress
+from identification.between_rows import followed_anew, moving_between_rows
+from identification.experiment import Experiment
+from identification.fit import Fit, fit_base
+from identification.holdout import Holdout, hold_out
+from valvemodel.declarations import Effect
+from valvemodel.model import Model
+
+
+@dataclass(frozen=True)
+class Searched:
+    """What was tried on experiments, the base first.
+
+    Attributes
+    ----------
+    experiments : list of Experiment
+        As they were fitted and scored.
+    holdout : Holdout
+    base : Fit
+        Of the base valve to what was not kept back.
+    tried : list of Candidate
+    library : sequence of Effect
+        What could be tried.
+    sampling_error : float [m]
+        What counts as noise because a slow record does not have it.
+    notes : tuple of str
+        What is said of slow records.
+    """
+
+    experiments: list[Experiment]
+    holdout: Holdout
+    base: Fit
+    tried: list[Candidate]
+    library: Sequence[Effect]
+    sampling_error: float
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Search:
+    """How causes are searched for: the valve as given, what may be tried, processes, and who is told."""
+
+    model: Model
+    candidates: Sequence[str] | None
+    pool: Executor | None
+    progress: Progress
+
+    def on(self, held: Sequence[Experiment]) -> Searched:
+        """Search for the causes of experiments whose currents are held from row to row, or move on where they show it.
+
+        How a current moved on between the rows is known as well as the valve is: where the nearest cause tells it
+        otherwise than the base did, all is tried once more. In stairs, which run out of phase, it tells nothing of it.
+        """
+        holdout = hold_out(held)
+        library = library_for(holdout, self.candidates)
+        self.progress("refitting the base valve", 0.0)
+        base = fit_base(self.model, holdout.experiments, holdout.fitted)
+        experiments = moving_between_rows(held, base)
+        if experiments == list(held):
+            return self._tried_on(experiments, holdout, base, library)
+        found = self._tried_on(experiments, *parted(experiments, self.model), library)
+        nearest = min(found.tried, key=misfit)
+        if misfit(nearest) < AT_NOISE or any(each.has_stairs for each in found.experiments):
+            return found
+        anew = followed_anew(experiments, held, nearest.fit)
+        if anew == experiments:
+            return found
+        return self._tried_on(anew, *parted(anew, self.model), library)
+
+    def _tried_on(
+        self,
+        as_read: Sequence[Experiment],
+        holdout: Holdout,
+        base: Fit,
+        library: Sequence[Effect],
+    ) -> Searched:
+        model, pool, progress = self.model, self.pool, self.progress
+        experiments, slowness = with_sampling_error(as_read, base)
+        sampling_error = largest_error(experiments, as_read)
+        if slowness:
+            holdout, base = parted(experiments, model)
+        holdout, base = evenly_parted(holdout, base, model)
+        experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
+        first = Candidate((), base, score_fit(base, holdout))
+        tried = try_first(first, holdout, library, pool, progress)
+        seen = stairs_beside(tried, experiments, holdout, model)
+        for further in (in_phase, try_together):
+            if not seen:
+                tried = further(tried, holdout, pool, progress)
+                seen = stairs_beside(tried, experiments, holdout, model)
+        if seen:
+            experiments, holdout, base = seen
+            first = Candidate((), base, score_fit(base, holdout))
+            tried = select(first, holdout, library, pool, progress)
+        return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(slowness))

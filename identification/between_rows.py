@@ -1,0 +1,296 @@
+"""Between two rows: a logger that is slower than what drives the valve does not see where the current went on to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from identification.experiment import Experiment
+from identification.fit import Fit, fit_base, fitted_to_all, simulate_model
+from identification.noise import noise_level
+from identification.timing import END_OF_PERIOD
+from valvemodel.periods import finer, jumps, passing_otherwise
+
+PART, MOST_PARTS = 0.02, 8
+"""Parts of a period are about so long, but for those of slow rows, which have so many. [s]"""
+
+CALM, CLEAR = 0.2, 20.0
+"""The stem has answered a jump of the current, in the row of the jump and the next, by so many times what it moved
+before, and by so many times the noise."""
+
+FEWEST_ANSWERS = 3
+"""Answers from which their spread says something."""
+
+SPREAD, WHOLE = 0.6, 0.93
+"""Spread of the shares of the answers that stand in the row of the jump, from which it jumped at any instant before the
+row: of the middle eight tenths, or of all where half of the answers are nearly whole in that row, so that none of a
+held current would come later. Of 64 blind valves at four rates whose rows are read as they are driven no spread of
+eight tenths was more than 0.12, read at the end of each period 9 of 256 were; of the same valves sampled five times
+slower than they were driven 49 of 64."""
+
+SLOWER, MOVING = 0.03, 0.2
+"""Interval between rows [s], and share of the rows with another current than before, from which the current may have
+moved on between them though no jump shows it."""
+
+USUAL = 0.9
+"""Share of the errors, the smallest ones, by which two ways of the current are compared."""
+
+NEARER, NEARER_IF_SEEN = 0.88, 1.1
+"""Error with a current that moves on over that with a held one, on the same readings and each with the base fitted to
+them, below which it moves on, and where jumps show it. Of 22 blind valves with held currents, those of 336 records that
+looked most like it, 20 are above 0.95."""
+
+SAME_PACE = 1.5
+"""Factor within which the rows of two records follow each other as fast."""
+
+SURE = 0.5
+"""Readings that depend by more than this on what the current did between the rows are left out. [noise]"""
+
+MOST_ROUNDS = 5
+"""How often at most the valve is fitted to what does not hang on how the current moved on."""
+
+SAME_LATE, SAME_LEFT_OUT = 0.04, 0.03
+"""Differences, of a period and of the readings, up to which two fits tell the same of a current between the rows."""
+
+LATEST, SEARCH_OF_LATENESS = 0.25, {"xatol": 0.01, "maxiter": 12}
+"""Share of a period by which the current may come late: one that is held for shorter periods comes late by half of
+those, and was seen to go on between the rows where they are half as long as ours or less."""
+
+LEAST_SURE = 0.4
+"""Share of the readings that are kept, those that depend least on it, however many depend more."""
+
+
+def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
+    """Return experiments whose current moves on between the rows where that is what they show.
+
+    A current is held from row to row where the records do not speak against it. Two things do: the stem answers jumps
+    of the current before the row of the jump, now more, now less; or the base comes much nearer with a current that
+    moves on through the rows. Readings that hang on where it was meanwhile are left out. What one record of a valve
+    shows is true of others at its pace.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+    base : Fit
+        Of the base to them or some of them, their currents held.
+    """
+    moved = [None if each.is_loop else _moved(each, base) for each in experiments]
+    paces = [period_of(each) for each in moved if each is not None]
+
+    def is_alike(experiment: Experiment) -> bool:
+        period = period_of(experiment)
+        return not experiment.is_loop and any(max(period, pace) < SAME_PACE * min(period, pace) for pace in paces)
+
+    return [
+        found or (_followed(each, base)[0] if is_alike(each) else each)
+        for found, each in zip(moved, experiments, strict=True)
+    ]
+
+
+def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held: Sequence[Experiment]) -> list[str]:
+    """Return what is said of records, with which currents moved on between the rows, and what does not show then.
+
+    Parameters
+    ----------
+    notes : sequence of str
+        What was said before.
+    experiments, held : sequences of Experiment
+        As they are taken, and with their currents held.
+    """
+    said = [note for note in notes if note != END_OF_PERIOD or any(each.reads_at_end for each in experiments)]
+    for moved, before in zip(experiments, held, strict=True):
+        if moved.parts > 1:
+            left_out = 1.0 - np.isfinite(moved.position).sum() / np.isfinite(before.position).sum()
+            unseen = LATEST * period_of(moved)
+            said.append(
+                f"{moved.name}: the current went on between the rows, unseen; it is taken to have moved through them,"
+                f" and {left_out:.0%} of the readings, which hang on how, are left out. Lags below"
+                f" {1e3 * unseen:.2g} ms do not show: log at every change of the current"
+            )
+    return said
+
+
+def followed_anew(experiments: Sequence[Experiment], held: Sequence[Experiment], near: Fit) -> list[Experiment]:
+    """Return experiments whose currents move on as a fit tells that came nearer than the base.
+
+    What hangs on how a current moved on, and how late it came, is known as well as the valve is. Those of which the fit
+    tells much the same stay as they are.
+
+    Parameters
+    ----------
+    experiments : sequence of Experiment
+    held : sequence of Experiment
+        The same, their currents held.
+    near : Fit
+        Of some cause to them or some of them.
+    """
+    return [
+        _told_anew(experiment, before, near) if experiment.parts > 1 else experiment
+        for experiment, before in zip(experiments, held, strict=True)
+    ]
+
+
+def _told_anew(experiment: Experiment, held: Experiment, near: Fit) -> Experiment:
+    whole = replace(moving_on(held), late=experiment.late)
+    found, _ = followed(whole, fitted_to_all(near, [experiment], starts_anew=True))
+    is_known, was_known = np.isfinite(found.position), np.isfinite(experiment.position)
+    is_same = abs(found.late - experiment.late) < SAME_LATE and np.mean(is_known != was_known) < SAME_LEFT_OUT
+    return experiment if is_same else found
+
+
+def _moved(held: Experiment, base: Fit) -> Experiment | None:
+    """Return an experiment with a current that moves on, without what hangs on how, or None where it is held."""
+    is_seen, is_moving = jumps_between(moving_on(held)), np.diff(held.current) != 0.0
+    if not is_seen and (period_of(held) < SLOWER or np.mean(is_moving) < MOVING):
+        return None
+    moved, fitted = _followed(held, base)
+    first = len(held.time) - len(moved.time)
+    sure = replace(held, position=np.append(np.full(first, np.nan), moved.position))
+    near, far = usual_error(moved, fitted), usual_error(sure, fitted_to_all(base, [sure], starts_anew=True))
+    return moved if near < (NEARER_IF_SEEN if is_seen else NEARER) * far else None
+
+
+def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
+    """Return an experiment whose current moves on as the base tells, which is fitted anew, and that fit."""
+    whole = moving_on(held)
+    return followed(whole, fit_base(base.problem.model, [whole]))
+
+
+def followed(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
+    """Return an experiment whose current comes as late as fits best, without what hangs on how, and the fit to it."""
+    kept, near = settled(whole, near)
+    return settled(replace(whole, late=lateness(kept, near)), near)
+
+
+def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
+    """Return an experiment without the readings that hang on how its current moves on, and a fit to the rest.
+
+    Which do is known as well as the valve is, which is fitted to those that do not: both are found in turn.
+    """
+    kept = whole
+    for _ in range(MOST_ROUNDS):
+        before, kept = kept, without_unsure(whole, near)
+        if np.array_equal(np.isfinite(kept.position), np.isfinite(before.position)):
+            break
+        near = fitted_to_all(near, [kept])
+    return kept, near
+
+
+def lateness(experiment: Experiment, near: Fit) -> float:
+    """Return by which share of a period the current comes late, from none to a quarter, for a fit to come nearest.
+
+    Damping makes up for most of it, so that the squared error is flat there, and rises steeply beyond.
+    """
+    from scipy.optimize import minimize_scalar
+
+    def square(late: float) -> float:
+        tried = replace(experiment, late=late)
+        return _missed(tried, fitted_to_all(near, [tried])) ** 2
+
+    return float(minimize_scalar(square, bounds=(0.0, LATEST), method="bounded", options=SEARCH_OF_LATENESS).x)
+
+
+def period_of(experiment: Experiment) -> float:
+    """Return the usual time from one sample to the next. [s]"""
+    return float(np.median(np.diff(experiment.time)))
+
+
+def moving_on(experiment: Experiment) -> Experiment:
+    """Return an experiment whose rows are instants and whose current moves on from row to row."""
+    period = period_of(experiment)
+    parts = int(np.clip(round(period / PART), 2, MOST_PARTS))
+    if not experiment.reads_at_end:
+        return replace(experiment, parts=parts)
+    pressure = None if experiment.pressure is None else experiment.pressure[1:]
+    return replace(
+        experiment,
+        time=experiment.time[:-1],
+        current=experiment.current[:-1],
+        position=experiment.position[1:],
+        pressure=pressure,
+        block=experiment.block[:-1],
+        start=experiment.start + period,
+        reads_at_end=False,
+        parts=parts,
+    )
+
+
+def jumps_between(experiment: Experiment) -> bool:
+    """Return whether the stem answers jumps of the current now more, now less in the row of the jump itself.
+
+    Where a current is held from row to row, that row holds the same share of each answer: none of it, where it was
+    read before its current acted.
+    """
+    answers = answers_in_row(experiment)
+    if len(answers) < FEWEST_ANSWERS:
+        return False
+    lowest, low, middle, high, highest = np.quantile(answers, [0.0, 0.1, 0.5, 0.9, 1.0])
+    return bool(high - low > SPREAD or (middle > WHOLE and highest - lowest > SPREAD))
+
+
+def answers_in_row(experiment: Experiment) -> np.ndarray:
+    """Return the share of each clear answer to a jump of the current, over two rows, that stands in its first row."""
+    position, noise = experiment.position, noise_level(experiment.position)
+    rows = np.flatnonzero(jumps(experiment.current)) + 1
+    rows = rows[(rows >= 2) & (rows < len(position) - 1)]
+    side = np.sign(experiment.current[rows] - experiment.current[rows - 1])
+    earlier = position[rows - 1] - position[rows - 2]
+    first, both = position[rows] - position[rows - 1], position[rows + 1] - position[rows - 1]
+    is_clear = (side * both > CLEAR * noise) & (np.abs(earlier) < CALM * np.abs(both))
+    return np.asarray(first[is_clear] / both[is_clear])
+
+
+def without_unsure(experiment: Experiment, near: Fit) -> Experiment:
+    """Return an experiment whose current moves on without the readings that hang on how it does."""
+    doubt, of_pressure = doubts_of(experiment, near)
+    doubt = doubt / experiment.noise
+    if experiment.pressure is not None:
+        doubt = np.maximum(doubt, of_pressure / experiment.pressure_noise)
+    known = np.isfinite(experiment.position)
+    is_unsure = doubt > max(SURE, float(np.quantile(doubt[known], LEAST_SURE)))
+    pressure = None if experiment.pressure is None else np.where(is_unsure, np.nan, experiment.pressure)
+    return replace(experiment, position=np.where(is_unsure, np.nan, experiment.position), pressure=pressure)
+
+
+def doubts_of(experiment: Experiment, near: Fit) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much position and pressure hang on how the current moved between rows, shape (n,). [m], [Pa]"""
+    through = near.simulated_on(experiment)
+    count = (len(experiment.time) - 1) * experiment.parts + 1
+    fine = replace(
+        experiment,
+        time=finer(experiment.time, experiment.parts),
+        position=np.full(count, np.nan),
+        pressure=None,
+        block=np.zeros(count, int),
+        parts=1,
+        late=0.0,
+    )
+    straight, early, late = (
+        simulate_model(near.model, replace(fine, current=current), start_position=through.position[0][0])
+        for current in passing_otherwise(experiment.current, experiment.parts, experiment.late)
+    )
+    rows = slice(None, None, experiment.parts)
+
+    def apart(name: str) -> np.ndarray:
+        taken, first, second, third = (getattr(run, name)[0] for run in (through, straight, early, late))
+        return np.maximum(np.abs(first[rows] - taken), np.abs(second[rows] - third[rows]))
+
+    return apart("position"), apart("pressure")
+
+
+def usual_error(experiment: Experiment, fit: Fit) -> float:
+    """Return what a fit misses, root mean square, but for the largest: a few rows may show an effect very much. [m]"""
+    errors = np.abs(experiment.position - fit.simulated_on(experiment).position[0])
+    known = np.sort(errors[np.isfinite(errors)])
+    return _rms(known[: round(USUAL * len(known))])
+
+
+def _missed(experiment: Experiment, fit: Fit) -> float:
+    """Return by how much a fit misses the readings of an experiment, root mean square. [m]"""
+    return _rms(experiment.position - fit.simulated_on(experiment).position[0])
+
+
+def _rms(errors: np.ndarray) -> float:
+    return float(np.sqrt(np.nanmean(errors**2)))

@@ -1,0 +1,91 @@
+"""Periods: the time from one sample to the next, cut into parts, and signals that move on through it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+JUMP, APART = 0.01, 0.5
+"""A signal jumps from one sample to the next where it changes by more than this share of its range, and its changes
+just before and after are less than that share of this one."""
+
+FEWEST = 3
+"""Samples from which a curve is laid through them."""
+
+
+def finer(time: np.ndarray, parts: int) -> np.ndarray:
+    """Return instants that cut each period into equal parts, shape ((n - 1) parts + 1,). [s]"""
+    if parts == 1:
+        return time
+    within = np.diff(time)[:, None] * np.arange(parts) / parts
+    return np.append((time[:-1, None] + within).ravel(), time[-1])
+
+
+def passing(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
+    """Return what a signal is in the middle of each part of a period, where it moves on through the samples.
+
+    It goes along a curve through the samples (Akima's, which does not overshoot where a ramp begins or ends), broken
+    where the signal jumps: there it goes straight.
+
+    Parameters
+    ----------
+    signal : array, shape (n,)
+        As it stands at each sample.
+    parts : int
+    late : float
+        Share of a period by which it comes late.
+
+    Returns
+    -------
+    array, shape ((n - 1) parts + 1,)
+        The last as at the last sample.
+
+    References
+    ----------
+    H. Akima, "A new method of interpolation and smooth curve fitting based on local procedures", 1970, as modified by
+    Moler.
+    """
+    from scipy.interpolate import Akima1DInterpolator
+
+    places = _places(len(signal), parts, late)
+    found = np.interp(places, np.arange(len(signal)), signal)
+    edges = [0, *(np.flatnonzero(jumps(signal)) + 1), len(signal)]
+    for first, end in pairwise(edges):
+        if end - first >= FEWEST:
+            part = slice(*np.searchsorted(places, [first, end - 1]))
+            curve = Akima1DInterpolator(np.arange(first, end), signal[first:end], method="makima")
+            found[part] = curve(places[part])
+    return found
+
+
+def passing_otherwise(signal: np.ndarray, parts: int, late: float = 0.0) -> Iterator[np.ndarray]:
+    """Yield how else a signal may pass through its samples: straight, and its jumps at once or at the very last.
+
+    On either side of a jump it then goes on as it does there.
+    """
+    places = _places(len(signal), parts, late)
+    yield np.interp(places, np.arange(len(signal)), signal)
+    before = np.minimum(places.astype(int), len(signal) - 2)
+    through, is_jump = passing(signal, parts, late), jumps(signal)
+    slopes = np.concatenate([[0.0], np.where(is_jump, 0.0, np.diff(signal)), [0.0]])
+    for side in (1, 0):
+        near = before + side
+        goes_on = signal[near] + slopes[near + side] * (places - near)
+        yield np.where(is_jump[before], goes_on, through)
+
+
+def jumps(signal: np.ndarray) -> np.ndarray:
+    """Return after which samples a signal jumps to the next one, shape (n - 1,)."""
+    change = np.abs(np.diff(signal))
+    beside = np.concatenate([[0.0, 0.0], change, [0.0, 0.0]])
+    nearby = np.maximum.reduce([beside[:-4], beside[1:-3], beside[3:-1], beside[4:]])
+    found: np.ndarray = (change > JUMP * np.ptp(signal)) & (nearby < APART * change)
+    return found
+
+
+def _places(count: int, parts: int, late: float) -> np.ndarray:
+    """Return where the middles of all parts lie, and the last sample, on a signal that comes late. [samples]"""
+    middles = np.append((np.arange((count - 1) * parts) + 0.5) / parts, count - 1.0)
+    return np.clip(middles - late, 0.0, count - 1.0)
