@@ -54,9 +54,12 @@ MOST_ROUNDS = 5
 SAME_LATE, SAME_LEFT_OUT = 0.04, 0.03
 """Differences, of a period and of the readings, up to which two fits tell the same of a current between the rows."""
 
-LATEST, SEARCH_OF_LATENESS = 0.25, {"xatol": 0.01, "maxiter": 12}
-"""Share of a period by which the current may come late: one that is held for shorter periods comes late by half of
+LATE = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)
+"""Shares of a period by which the current may come late: one that is held for shorter periods comes late by half of
 those, and was seen to go on between the rows where they are half as long as ours or less."""
+
+AS_NEAR = 1.02
+"""Factor in error within which a current may come late by one or the other share."""
 
 LEAST_SURE = 0.4
 """Share of the readings that are kept, those that depend least on it, however many depend more."""
@@ -103,11 +106,11 @@ def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held
     for moved, before in zip(experiments, held, strict=True):
         if moved.parts > 1:
             left_out = 1.0 - np.isfinite(moved.position).sum() / np.isfinite(before.position).sum()
-            unseen = LATEST * period_of(moved)
+            period = 1e3 * period_of(moved)
             said.append(
                 f"{moved.name}: the current went on between the rows, unseen; it is taken to have moved through them,"
-                f" and {left_out:.0%} of the readings, which hang on how, are left out. Lags below"
-                f" {1e3 * unseen:.2g} ms do not show: log at every change of the current"
+                f" {moved.late * period:.2g} ms late, and {left_out:.0%} of the readings, which hang on how, are left"
+                f" out. Lags below {LATE[-1] * period:.2g} ms do not show: log at every change of the current"
             )
     return said
 
@@ -159,9 +162,20 @@ def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
 
 
 def followed(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
-    """Return an experiment whose current comes as late as fits best, without what hangs on how, and the fit to it."""
-    kept, near = settled(whole, near)
-    return settled(replace(whole, late=lateness(kept, near)), near)
+    """Return an experiment whose current comes as late as fits best, without what hangs on how, and the fit to it.
+
+    Damping makes up for much of being late, until the valve has so little left that it overshoots, and all readings
+    hang on that: of what comes about as near the lateness is taken that leaves out least.
+    """
+    found = []
+    for late in LATE:
+        kept, near = settled(replace(whole, late=late), near)
+        found.append((kept, near, _missed(kept, near)))
+    limit = AS_NEAR * min(missed for *_, missed in found)
+    kept, near, _ = max(
+        (each for each in found if each[-1] <= limit), key=lambda each: np.isfinite(each[0].position).sum()
+    )
+    return kept, near
 
 
 def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
@@ -176,20 +190,6 @@ def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
             break
         near = fitted_to_all(near, [kept])
     return kept, near
-
-
-def lateness(experiment: Experiment, near: Fit) -> float:
-    """Return by which share of a period the current comes late, from none to a quarter, for a fit to come nearest.
-
-    Damping makes up for most of it, so that the squared error is flat there, and rises steeply beyond.
-    """
-    from scipy.optimize import minimize_scalar
-
-    def square(late: float) -> float:
-        tried = replace(experiment, late=late)
-        return _missed(tried, fitted_to_all(near, [tried])) ** 2
-
-    return float(minimize_scalar(square, bounds=(0.0, LATEST), method="bounded", options=SEARCH_OF_LATENESS).x)
 
 
 def period_of(experiment: Experiment) -> float:
@@ -261,23 +261,23 @@ def doubts_of(experiment: Experiment, near: Fit) -> tuple[np.ndarray, np.ndarray
     fine = replace(
         experiment,
         time=finer(experiment.time, experiment.parts),
-        position=np.full(count, np.nan),
+        position=experiment.spread(experiment.position),
         pressure=None,
         block=np.zeros(count, int),
         parts=1,
         late=0.0,
     )
-    straight, early, late = (
-        simulate_model(near.model, replace(fine, current=current), start_position=through.position[0][0])
+    otherwise = [
+        simulate_model(near.model, replace(fine, current=current), start_position=through.smooth[0][0])
         for current in passing_otherwise(experiment.current, experiment.parts, experiment.late)
-    )
+    ]
     rows = slice(None, None, experiment.parts)
 
     def apart(name: str) -> np.ndarray:
-        taken, first, second, third = (getattr(run, name)[0] for run in (through, straight, early, late))
-        return np.maximum(np.abs(first[rows] - taken), np.abs(second[rows] - third[rows]))
+        taken = getattr(through, name)[0]
+        return np.max([np.abs(getattr(run, name)[0][rows] - taken) for run in otherwise], axis=0)
 
-    return apart("position"), apart("pressure")
+    return apart("smooth"), apart("pressure")
 
 
 def usual_error(experiment: Experiment, fit: Fit) -> float:

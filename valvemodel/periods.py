@@ -11,6 +11,9 @@ JUMP, APART = 0.01, 0.5
 """A signal jumps from one sample to the next where it changes by more than this share of its range, and its changes
 just before and after are less than that share of this one."""
 
+STRAIGHT = 0.2
+"""A signal turns sharply where on either side it bends by less than this share of its turn."""
+
 FEWEST = 3
 """Samples from which a curve is laid through them."""
 
@@ -61,13 +64,15 @@ def passing(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
 
 
 def passing_otherwise(signal: np.ndarray, parts: int, late: float = 0.0) -> Iterator[np.ndarray]:
-    """Yield how else a signal may pass through its samples: straight, and its jumps at once or at the very last.
+    """Yield how else a signal may pass through its samples: straight, to the tip of each turn, and its jumps moved.
 
-    On either side of a jump it then goes on as it does there.
+    Two straight lines that turn between two samples go on to where they meet. A jump comes at once or at the very last;
+    on either side of it the signal goes on as it does there.
     """
     places = _places(len(signal), parts, late)
     yield np.interp(places, np.arange(len(signal)), signal)
     before = np.minimum(places.astype(int), len(signal) - 2)
+    yield _to_the_tips(signal, places)
     through, is_jump = passing(signal, parts, late), jumps(signal)
     slopes = np.concatenate([[0.0], np.where(is_jump, 0.0, np.diff(signal)), [0.0]])
     for side in (1, 0):
@@ -82,6 +87,23 @@ def jumps(signal: np.ndarray) -> np.ndarray:
     beside = np.concatenate([[0.0, 0.0], change, [0.0, 0.0]])
     nearby = np.maximum.reduce([beside[:-4], beside[1:-3], beside[3:-1], beside[4:]])
     found: np.ndarray = (change > JUMP * np.ptp(signal)) & (nearby < APART * change)
+    return found
+
+
+def _to_the_tips(signal: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return a signal at places, straight from sample to sample but for its sharp turns, which go to their tips."""
+    found, slopes = np.interp(places, np.arange(len(signal)), signal), np.diff(signal)
+    inside = np.arange(2, len(slopes) - 2)
+    rising, falling = slopes[inside - 1], slopes[inside + 1]
+    bend = np.abs(rising - falling)
+    is_straight = (
+        np.maximum(np.abs(rising - slopes[inside - 2]), np.abs(falling - slopes[inside + 2])) < STRAIGHT * bend
+    )
+    is_within = (slopes[inside] - rising) * (falling - slopes[inside]) > 0.0
+    for sample in inside[is_straight & is_within & (rising * falling < 0.0)]:
+        before, after = slopes[sample - 1], slopes[sample + 1]
+        tip = (slopes[sample] - after) / (before - after)
+        found[np.argmin(np.abs(places - (sample + tip)))] = signal[sample] + before * tip
     return found
 
 

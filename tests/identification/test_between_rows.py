@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from identification.between_rows import answers_in_row, jumps_between, moving_between_rows, moving_on, said_of_motion
+from identification.between_rows import (
+    answers_in_row,
+    doubts_of,
+    jumps_between,
+    moving_between_rows,
+    moving_on,
+    said_of_motion,
+)
 from identification.experiment import Experiment, score_rows, simulate_rows
 from identification.fit import Fit, fit_base
 from identification.outcome import fit_records
@@ -77,12 +84,22 @@ def test_a_jump_is_no_curve_and_may_come_at_once_or_at_the_last():
     signal = np.where(np.arange(20) < 9, 0.0, 1.0) + 1e-3 * np.sin(np.arange(20.0))
     assert np.flatnonzero(jumps(signal)).tolist() == [8]
     assert passing(signal, 4)[32:36] == pytest.approx([0.125, 0.375, 0.625, 0.875], abs=2e-3)
-    straight, at_once, at_last = passing_otherwise(signal, 4)
+    straight, _, at_once, at_last = passing_otherwise(signal, 4)
     assert straight[32:36] == pytest.approx(passing(signal, 4)[32:36])
     before, after = signal[8] - signal[7], signal[10] - signal[9]
     assert at_once[32:36] == pytest.approx(signal[9] - after * np.array([0.875, 0.625, 0.375, 0.125]))
     assert at_last[32:36] == pytest.approx(signal[8] + before * np.array([0.125, 0.375, 0.625, 0.875]))
     assert at_once[:32] == pytest.approx(passing(signal, 4)[:32])
+
+
+def test_a_sharp_turn_may_go_on_to_its_tip_and_a_round_one_does_not():
+    places = np.arange(40.0)
+    _, tipped, *_ = passing_otherwise(-np.abs(places - 20.5), 4)
+    assert tipped.max() == pytest.approx(0.0, abs=1e-9)
+    assert passing(-np.abs(places - 20.5), 4).max() < -0.2
+    round_turn = np.cos((places - 20.5) / 4.0)
+    straight, tipped, *_ = passing_otherwise(round_turn, 4)
+    assert np.array_equal(tipped, straight)
 
 
 def test_a_run_stands_at_the_rows_of_a_finer_one(slow, given):
@@ -165,3 +182,14 @@ def test_a_fit_follows_it_and_says_so(route, slow, given):
         assert found[name].value == pytest.approx(truth[name], rel=error), name
     assert found["coulomb_friction"].std > 0.0
     assert found["viscous_friction"].std is None
+
+
+def test_what_hangs_on_it_is_found_without_the_steps_of_a_coarse_reading(driven, slow, given, recwarn):
+    coarse = {**driven, "position": 1e-3 * np.round(1e3 * driven["position"])}
+    experiments, base = held_and_base(record_of(coarse, SLOWER), given)
+    (moved,) = moving_between_rows(experiments, base)
+    stepped = Model("coarse", {**base.model.values}, {"quantisation": {"resolution": 1e-3, "resolution_offset": 0.0}})
+    near = replace(base, model=stepped)
+    smooth, with_steps = doubts_of(moved, base)[0], doubts_of(moved, near)[0]
+    assert with_steps == pytest.approx(smooth, abs=1e-9)
+    assert not [each for each in recwarn if issubclass(each.category, RuntimeWarning)]
