@@ -115,7 +115,7 @@ def next_experiment(
     chosen, is_open = rivals_in(diagnosis)
     rivals = [rival_of(each.effects, each.fit) for each in chosen]
     present = diagnosis.experiments[0]
-    period = float(np.median(np.diff(present.time)))
+    period = present.period
     coarse = max(period, limits.duration / SEARCHED_SAMPLES)
     pressure_noise = present.pressure_noise or None
     evaluated = 0

@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.between_rows import doubts_of
+from identification.between_rows import MOST_PARTS, doubts_of
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
+from valvemodel.periods import straight
 
 SLOW = 0.2
 """Sampling interval from which a current is not taken to be held between rows. [s]"""
@@ -23,9 +24,6 @@ WORTH_SAYING = 0.3
 
 KNOWN = 0.9
 """Share of the readings, those that hang least on what the current did, of which the error is taken."""
-
-PARTS = 8
-"""Parts into which a period is divided where the current ramps."""
 
 
 def with_sampling_error(experiments: Sequence[Experiment], base: Fit) -> tuple[list[Experiment], list[str]]:
@@ -67,24 +65,9 @@ def sampling_error(experiment: Experiment, base: Fit) -> float:
         doubts, _ = doubts_of(experiment, base)
         known = np.sort(doubts[np.isfinite(experiment.position)])
         return float(np.sqrt(np.mean(known[: round(KNOWN * len(known))] ** 2)))
-    steps = np.diff(experiment.current)
-    if experiment.is_loop or np.median(np.diff(experiment.time)) < SLOW or np.mean(steps != 0.0) < MOVING:
+    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOVING:
         return 0.0
     held = base.simulated_on(experiment).position[0]
-    ramped = simulate_model(base.model, with_ramps(experiment), start_position=held[0]).position[0]
-    return float(np.sqrt(np.mean((ramped[::PARTS] - held) ** 2)))
-
-
-def with_ramps(experiment: Experiment) -> Experiment:
-    """Return an experiment whose current ramps from row to row, in small steps about the ramp."""
-    rows = np.arange(len(experiment.time))
-    fine = np.arange(PARTS * (len(rows) - 1) + 1) / PARTS
-    middles = np.minimum(fine + 0.5 / PARTS, rows[-1])
-    return replace(
-        experiment,
-        time=np.interp(fine, rows, experiment.time),
-        current=np.interp(middles, rows, experiment.current),
-        position=np.full(len(fine), np.nan),
-        pressure=None,
-        block=np.zeros(len(fine), int),
-    )
+    ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
+    ramped = simulate_model(base.model, ramping, start_position=held[0]).position[0]
+    return float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))

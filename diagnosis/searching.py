@@ -71,7 +71,7 @@ class Search:
         self.progress("refitting the base valve", 0.0)
         base = fit_base(self.model, holdout.experiments, holdout.fitted)
         experiments = moving_between_rows(held, base)
-        if experiments == list(held):
+        if all(each.parts == 1 for each in experiments):
             return self._tried_on(experiments, holdout, base, library)
         found = self._tried_on(experiments, *parted(experiments, self.model), library)
         nearest = min(found.tried, key=misfit)

@@ -177,7 +177,7 @@ def starts_to_bend(fit: Fit, effect: Effect) -> Iterator[dict[str, float]]:
         yield from starts
         return
     forms = dict.fromkeys(tuple((start | {DEAD_TIME: 0.0}).items()) for start in starts)
-    period = min(float(np.median(np.diff(each.time))) for each in fit.problem.experiments)
+    period = min(each.period for each in fit.problem.experiments)
     samples = 1
     while samples * period <= LONGEST:
         yield from (dict(form) | {DEAD_TIME: samples * period} for form in forms)

@@ -101,6 +101,11 @@ class Experiment:
     late: float = 0.0
 
     @property
+    def period(self) -> float:
+        """Usual time from one sample to the next. [s]"""
+        return float(np.median(np.diff(self.time)))
+
+    @property
     def record_time(self) -> np.ndarray:
         """Time as the record has it, shape (n,): what is told and drawn. [s]"""
         return self.start + self.time
@@ -155,6 +160,19 @@ class Experiment:
         among = np.full((len(self.time) - 1) * self.parts + 1, np.nan)
         among[:: self.parts] = values
         return among
+
+    def stepping(self, current: np.ndarray) -> Experiment:
+        """Return the same at the times of its run, with a current, shape ((n - 1) parts + 1,), held between those."""
+        return replace(
+            self,
+            time=finer(self.time, self.parts),
+            current=current,
+            position=self.spread(self.position),
+            pressure=None,
+            block=np.zeros(len(current), int),
+            parts=1,
+            late=0.0,
+        )
 
     @property
     def has_stairs(self) -> bool:

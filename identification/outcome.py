@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from identification.between_rows import moving_between_rows, said_of_motion
+from identification.between_rows import may_have_moved, moving_between_rows, said_of_motion
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
 from identification.display import fit_card, parameter_columns
 from identification.exact_fit import fit_exact
-from identification.experiment import Experiment, are_loops
+from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.holdout import EVERY, Holdout, hold_out
 from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
@@ -217,7 +217,7 @@ def fit_records(
     began = time.perf_counter()
     experiments, notes = experiments_of(records, is_ramped=is_ramped)
     _check_ramped(records, model, effects, is_ramped=is_ramped)
-    if not are_loops(experiments):
+    if any(map(may_have_moved, experiments)):
         held, experiments = experiments, moving_between_rows(experiments, fit_base(model, experiments))
         notes = said_of_motion(notes, experiments, held)
     holdout = hold_out(experiments)

@@ -26,6 +26,11 @@ def finer(time: np.ndarray, parts: int) -> np.ndarray:
     return np.append((time[:-1, None] + within).ravel(), time[-1])
 
 
+def straight(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
+    """Return what `passing` does, where the signal goes straight from sample to sample."""
+    return np.interp(_places(len(signal), parts, late), np.arange(len(signal)), signal)
+
+
 def passing(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
     """Return what a signal is in the middle of each part of a period, where it moves on through the samples.
 
@@ -52,8 +57,7 @@ def passing(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
     """
     from scipy.interpolate import Akima1DInterpolator
 
-    places = _places(len(signal), parts, late)
-    found = np.interp(places, np.arange(len(signal)), signal)
+    places, found = _places(len(signal), parts, late), straight(signal, parts, late)
     edges = [0, *(np.flatnonzero(jumps(signal)) + 1), len(signal)]
     for first, end in pairwise(edges):
         if end - first >= FEWEST:
@@ -70,9 +74,9 @@ def passing_otherwise(signal: np.ndarray, parts: int, late: float = 0.0) -> Iter
     on either side of it the signal goes on as it does there.
     """
     places = _places(len(signal), parts, late)
-    yield np.interp(places, np.arange(len(signal)), signal)
+    yield straight(signal, parts, late)
+    yield _to_the_tips(signal, places, straight(signal, parts, late))
     before = np.minimum(places.astype(int), len(signal) - 2)
-    yield _to_the_tips(signal, places)
     through, is_jump = passing(signal, parts, late), jumps(signal)
     slopes = np.concatenate([[0.0], np.where(is_jump, 0.0, np.diff(signal)), [0.0]])
     for side in (1, 0):
@@ -90,15 +94,14 @@ def jumps(signal: np.ndarray) -> np.ndarray:
     return found
 
 
-def _to_the_tips(signal: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return a signal at places, straight from sample to sample but for its sharp turns, which go to their tips."""
-    found, slopes = np.interp(places, np.arange(len(signal)), signal), np.diff(signal)
+def _to_the_tips(signal: np.ndarray, places: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """Put the tips of its sharp turns into a signal that goes straight through its samples, found at places."""
+    slopes = np.diff(signal)
     inside = np.arange(2, len(slopes) - 2)
     rising, falling = slopes[inside - 1], slopes[inside + 1]
     bend = np.abs(rising - falling)
-    is_straight = (
-        np.maximum(np.abs(rising - slopes[inside - 2]), np.abs(falling - slopes[inside + 2])) < STRAIGHT * bend
-    )
+    beside = np.maximum(np.abs(rising - slopes[inside - 2]), np.abs(falling - slopes[inside + 2]))
+    is_straight = beside < STRAIGHT * bend
     is_within = (slopes[inside] - rising) * (falling - slopes[inside]) > 0.0
     for sample in inside[is_straight & is_within & (rising * falling < 0.0)]:
         before, after = slopes[sample - 1], slopes[sample + 1]

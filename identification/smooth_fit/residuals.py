@@ -132,8 +132,7 @@ class _Run:
 
 def chain_for(model: Model, experiment: Experiment) -> SmoothChain:
     """Return the smooth chain of a model, its periods cut as the experiment's sampling asks for."""
-    period = float(np.median(np.diff(experiment.time))) / experiment.parts
-    return SmoothChain(model, parts=experiment.parts * parts_for(model, period))
+    return SmoothChain(model, parts=experiment.parts * parts_for(model, experiment.period / experiment.parts))
 
 
 def parameters_of(chain: SmoothChain, unknowns: list[Unknown], q: Expression, width: Expression) -> Expression:

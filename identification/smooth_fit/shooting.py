@@ -88,7 +88,7 @@ class _Segments:
         self._values = dict(zip((unknown.name for unknown in unknowns), ca.vertsplit(values), strict=True))
         self._p = parameters_of(self._chain, unknowns, values, width)
         self._rows = len(self._experiment.time) - 1
-        usual = max(round(SEGMENT_TIME / float(np.median(np.diff(self._experiment.time)))), 1)
+        usual = max(round(SEGMENT_TIME / self._experiment.period), 1)
         self._length = min(usual, -(-self._rows // 2))
         self._count = -(-self._rows // self._length)
         self._run()

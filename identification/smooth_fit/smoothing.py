@@ -13,7 +13,7 @@ from identification.problem import Problem
 from identification.search import Found
 from identification.smooth_fit.residuals import chain_for
 from valvemodel.simulation import simulate
-from valvemodel.smooth.chain import run_smooth
+from valvemodel.smooth.chain import SmoothChain, run_smooth
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,6 @@ def _apart(fit: Fit, width: float) -> list[np.ndarray]:
     for experiment, start in zip(fit.problem.experiments, fit.starts, strict=True):
         time, current = experiment.drive
         given: dict[str, Any] = {"time": time, "current": current, "start_position": start}
-        chain = chain_for(fit.model, experiment)
+        chain = SmoothChain(fit.model, parts=chain_for(fit.model, experiment).parts // experiment.parts)
         apart.append(run_smooth(chain, width=width, **given) - simulate(fit.model, **given).position)
     return apart
