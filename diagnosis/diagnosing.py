@@ -31,6 +31,7 @@ from identification.cores import workers
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, simulate_model
 from identification.holdout import Holdout
+from identification.measured_current import said_of_current
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates
 from valvemodel.effects import are_aliases, effect_of_key
@@ -269,7 +270,7 @@ def diagnose_with(
     held, notes = experiments_of(records)
     searched = Search(model, candidates, pool, progress).on(held)
     experiments, holdout, base, library = searched.experiments, searched.holdout, searched.base, searched.library
-    notes = said_of_motion(notes, experiments, held)
+    notes = said_of_motion(notes, experiments, held) + said_of_current(experiments)
     tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
     first = tried[0]
     floors = floors_of(tried, holdout)

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 from diagnosis.alone import in_phase, library_for, try_first
 from diagnosis.explaining import AT_NOISE, misfit
 from diagnosis.parts import evenly_parted, parted
-from diagnosis.sampling import largest_error, with_sampling_error
 from diagnosis.score import score_fit
 from diagnosis.selection import select, try_together
 from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.trying import Candidate, Progress
+from diagnosis.unrecorded import largest_error, with_unrecorded
 from identification.between_rows import followed_anew, moving_between_rows
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
+from identification.measured_current import as_set
 from valvemodel.declarations import Effect
 from valvemodel.model import Model
 
@@ -37,9 +38,9 @@ class Searched:
     library : sequence of Effect
         What could be tried.
     sampling_error : float [m]
-        What counts as noise because a slow record does not have it.
+        What counts as noise because a record does not have it of its current.
     notes : tuple of str
-        What is said of slow records.
+        What is said of that.
     """
 
     experiments: list[Experiment]
@@ -70,6 +71,9 @@ class Search:
         library = library_for(holdout, self.candidates)
         self.progress("refitting the base valve", 0.0)
         base = fit_base(self.model, holdout.experiments, holdout.fitted)
+        measured, held = held, as_set(held, base)
+        if held != measured:
+            holdout, base = parted(held, self.model)
         experiments = moving_between_rows(held, base)
         if all(each.parts == 1 for each in experiments):
             return self._tried_on(experiments, holdout, base, library)
@@ -90,9 +94,9 @@ class Search:
         library: Sequence[Effect],
     ) -> Searched:
         model, pool, progress = self.model, self.pool, self.progress
-        experiments, slowness = with_sampling_error(as_read, base)
+        experiments, said = with_unrecorded(as_read, base)
         sampling_error = largest_error(experiments, as_read)
-        if slowness:
+        if experiments != as_read:
             holdout, base = parted(experiments, model)
         holdout, base = evenly_parted(holdout, base, model)
         experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
@@ -107,4 +111,4 @@ class Search:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
             tried = select(first, holdout, library, pool, progress)
-        return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(slowness))
+        return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))

@@ -246,8 +246,13 @@ def without_unsure(experiment: Experiment, near: Fit) -> Experiment:
     doubt = doubt / experiment.noise
     if experiment.pressure is not None:
         doubt = np.maximum(doubt, of_pressure / experiment.pressure_noise)
-    known = np.isfinite(experiment.position)
-    is_unsure = doubt > max(SURE, float(np.quantile(doubt[known], LEAST_SURE)))
+    return without(experiment, doubt, SURE)
+
+
+def without(experiment: Experiment, doubt: np.ndarray, sure: float) -> Experiment:
+    """Return an experiment without the readings that are in doubt, shape (n,) and how much of it is none. [noise]"""
+    limit = max(sure, float(np.quantile(doubt[np.isfinite(experiment.position)], LEAST_SURE)))
+    is_unsure = doubt > limit
     pressure = None if experiment.pressure is None else np.where(is_unsure, np.nan, experiment.pressure)
     return replace(experiment, position=np.where(is_unsure, np.nan, experiment.position), pressure=pressure)
 

@@ -82,6 +82,9 @@ class Experiment:
     late : float
         Share of a period by which a current that moves on comes later than its rows say, as one that is held for
         shorter periods does.
+    current_noise, current_step : float [A]
+        White noise that was taken out of the current, and the step to which it was rounded before; 0 where it is as it
+        was recorded.
     """
 
     name: str
@@ -99,6 +102,8 @@ class Experiment:
     reads_at_end: bool = False
     parts: int = 1
     late: float = 0.0
+    current_noise: float = 0.0
+    current_step: float = 0.0
 
     @property
     def period(self) -> float:

@@ -15,6 +15,9 @@ from valvemodel.declarations import Effect, Parameter
 BIN = 0.125
 """Width of the bins in which readings are counted, over their noise."""
 
+MOST_BINS = 200_000
+"""Over the span of the readings: those of another simulation have no noise."""
+
 PLACES = 9
 """Places along the travel at which a local effect is looked for."""
 
@@ -146,7 +149,8 @@ def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
     if shown[0] > 3.0 * experiment.noise:
         return shown
     # Wave numbers up to one in five times the noise, in steps of a fifth of one over the span: readings in fine bins.
-    span, bin_width = max(float(np.ptp(readings)), 1e-9), BIN * experiment.noise
+    span = max(float(np.ptp(readings)), 1e-9)
+    bin_width = max(BIN * experiment.noise, span / MOST_BINS)
     counts = np.bincount(((readings - readings.min()) / bin_width).astype(int))
     length = max(round(5.0 * span / bin_width), len(counts))
     wave_numbers = np.arange(length // 2 + 1) / (length * bin_width)

@@ -17,12 +17,16 @@ FLICKERING, OFF = 1.0 / math.sqrt(math.pi), math.sqrt(2.0 / math.pi)
 places that lie anywhere between two steps, and noise that is small beside them."""
 
 
+ROUNDED, OFF_STEP = 1e-12, 1e-2
+"""Share of the range that a step is more than, and part of a step by which rounded values are off it at most."""
+
+
 def noise_level(signal: np.ndarray) -> float:
     """Estimate the standard deviation of white noise on a signal that mostly moves slowly.
 
     Third differences take out offset, slope and curvature; the smaller part of them ignores the jumps. A signal that
     shows no noise between its steps has at least a twentieth of a step, and no less than what makes it flicker between
-    two of them.
+    two of them; one that takes too many values for that, of another simulation, no less than what rounding them makes.
 
     Parameters
     ----------
@@ -41,7 +45,8 @@ def noise_level(signal: np.ndarray) -> float:
     kept = squares[: max(int(KEPT_SHARE * len(squares)), 1)]
     level = float(np.sqrt(np.mean(kept) / (KEPT_VARIANCE * 20.0)))
     step, share = flickering(signal)
-    return max(level, 0.05 * step, step * share / FLICKERING, 1e-9)
+    rounding = 0.0 if step > 0.0 else display_step(signal) / math.sqrt(12.0)
+    return max(level, 0.05 * step, step * share / FLICKERING, rounding, 1e-9)
 
 
 def flicker_level(signal: np.ndarray) -> float:
@@ -75,6 +80,16 @@ def flickering(signal: np.ndarray) -> tuple[float, float]:
 def reading_step(signal: np.ndarray) -> float:
     """Return the step of the grid that a signal's values lie on, or 0 where they take too many values."""
     return reading_grid(signal)[0]
+
+
+def display_step(signal: np.ndarray) -> float:
+    """Return the step to which the values of a signal are rounded, however many they take, or 0 where to none."""
+    gaps = np.diff(np.unique(signal[np.isfinite(signal)]))
+    if not len(gaps):
+        return 0.0
+    step = float(gaps.min())
+    steps = gaps / step
+    return step if step > ROUNDED * float(gaps.sum()) and np.abs(steps - np.round(steps)).max() < OFF_STEP else 0.0
 
 
 def reading_grid(signal: np.ndarray) -> tuple[float, float]:

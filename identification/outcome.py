@@ -18,6 +18,7 @@ from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.holdout import EVERY, Holdout, hold_out
 from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
+from identification.measured_current import as_set, may_be_noisy, said_of_current
 from identification.residual import Residual, draw_residuals, residuals_of
 from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of
@@ -217,6 +218,9 @@ def fit_records(
     began = time.perf_counter()
     experiments, notes = experiments_of(records, is_ramped=is_ramped)
     _check_ramped(records, model, effects, is_ramped=is_ramped)
+    if any(map(may_be_noisy, experiments)):
+        experiments = as_set(experiments, fit_base(model, experiments))
+        notes += said_of_current(experiments)
     if any(map(may_have_moved, experiments)):
         held, experiments = experiments, moving_between_rows(experiments, fit_base(model, experiments))
         notes = said_of_motion(notes, experiments, held)

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from identification.adequacy import adequate
+from identification.clocks import check_clocks
 from identification.experiment import Experiment, experiment_of
+from identification.filled_in import without_filled_in
 from identification.noise import noise_level, reading_step
 from identification.stretches import longest_stretch
 from valvemodel.records import Record
@@ -41,11 +43,14 @@ def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tup
     Raises
     ------
     InputError
-        If nothing can be fitted to any of them.
+        If nothing can be fitted to any of them, or in one the stem moves before its current.
     """
-    whole = [longest_stretch(record) for record in records]
+    measured = [without_filled_in(record) for record in records]
+    for record, _ in measured:
+        check_clocks(record)
+    whole = [longest_stretch(record) for record, _ in measured]
     reads_at_end = any(answers_own_row(record) for record, _ in whole)
-    notes = [note for _, cut in whole for note in cut] + [END_OF_PERIOD] * reads_at_end
+    notes = [note for _, said in (*measured, *whole) for note in said] + [END_OF_PERIOD] * reads_at_end
     experiments = [experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped) for record, _ in whole]
     experiments, lacking = adequate(experiments)
     return experiments, notes + lacking

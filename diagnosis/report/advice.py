@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from diagnosis.report.amounts import is_number, percent, probability_text
-from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_slow, is_undecided, own_stages
+from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_vague, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
 from diagnosis.report.where import leads_of
@@ -71,8 +71,8 @@ def alternatives_sentence(diagnosis: Mapping[str, Any]) -> str:
     """Name what the record cannot tell from the cause, or say that there is nothing."""
     if diagnosis["verdict"] == "unknown":
         return "Which effect it is: none of the listed ones fits well enough to be named."
-    if is_too_slow(diagnosis):
-        return "Whether an effect hides in what the current does between two rows."
+    if is_too_vague(diagnosis):
+        return "Whether an effect hides in what the record does not say of the current."
     own, others = _apart(diagnosis)
     subject, rivals = cause_title(own), [_rival_title(other) for other in others]
     if not rivals:
@@ -189,8 +189,8 @@ def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
 def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
     """Say what to do with the answer, and then how to settle what it leaves open."""
     verdict, designed = diagnosis["verdict"], designed_of(diagnosis)
-    if is_too_slow(diagnosis):
-        return "Log at least ten times faster, or the settled positions at held currents, and diagnose that."
+    if is_too_vague(diagnosis):
+        return "Log the current as it is set and faster, or settled positions at held currents, and diagnose that."
     if is_undecided(diagnosis):
         return f"A second record of the valve, with slower and faster strokes, decides it. {designed}".rstrip()
     if verdict == "none":

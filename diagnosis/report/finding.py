@@ -38,8 +38,8 @@ def family_probability(diagnosis: Mapping[str, Any]) -> float | None:
     return min(1.0, found["probability"] + sum(each["probability"] or 0.0 for each in others))
 
 
-def is_too_slow(diagnosis: Mapping[str, Any]) -> bool:
-    """Return whether nothing is missing as far as a record shows whose noise is mostly what it has not between rows."""
+def is_too_vague(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether nothing is missing as far as a record shows that has its noise mostly from an unknown current."""
     gap = diagnosis.get("gap") or {}
     missed, floor = gap.get("sampling_error"), gap.get("noise_floor")
     is_most = is_number(missed) and is_number(floor) and missed > MOST_OF_THE_NOISE * floor

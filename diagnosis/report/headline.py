@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from diagnosis.report.amounts import amount, is_number, probability_text
-from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause, is_too_slow, is_undecided
+from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause, is_too_vague, is_undecided
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, likelihood, listed
 
 _EXPLAINED = 3
@@ -20,8 +20,8 @@ def headline_of(diagnosis: Mapping[str, Any]) -> str:
         return "Something is missing from the model that none of the known effects explains."
     probability = family_probability(diagnosis)
     if verdict == "none":
-        if is_too_slow(diagnosis):
-            return "The record is too slow to show whether the model lacks anything."
+        if is_too_vague(diagnosis):
+            return "The record says too little of the current to show whether the model lacks anything."
         if is_undecided(diagnosis):
             return "The record does not decide whether the model lacks anything."
         if probability is not None and probability < SURE:
@@ -52,7 +52,7 @@ def _family_title(own: Sequence[str], rivals: Sequence[Sequence[str]]) -> str:
 
 def tag_of(diagnosis: Mapping[str, Any]) -> str:
     """Return the kind of answer in two or three words."""
-    if is_too_slow(diagnosis) or is_undecided(diagnosis):
+    if is_too_vague(diagnosis) or is_undecided(diagnosis):
         return "Cannot tell"
     if diagnosis["verdict"] != "effect":
         return {"none": "No effect missing", "unknown": "Cause unknown"}.get(diagnosis["verdict"], "")
@@ -65,9 +65,9 @@ def tag_of(diagnosis: Mapping[str, Any]) -> str:
 def explanation_of(diagnosis: Mapping[str, Any]) -> str:
     """Say what the effects that the headline names are."""
     if diagnosis["verdict"] == "none":
-        if is_too_slow(diagnosis):
+        if is_too_vague(diagnosis):
             return (
-                "What the current does between two rows is not in the record, and moves the stem by about "
+                "What the record does not say of the current moves the stem by about "
                 f"{amount(diagnosis['gap']['sampling_error'], 'm')}: any effect smaller than that goes unseen."
             )
         if is_undecided(diagnosis):
@@ -110,7 +110,7 @@ def confidence_of(diagnosis: Mapping[str, Any]) -> str:
     else:
         probability = found.get("probability")
         subject = "This" if diagnosis["verdict"] == "effect" else "That nothing is missing"
-        if is_too_slow(diagnosis):
+        if is_too_vague(diagnosis):
             subject += ", beside what goes unseen,"
     if probability is None or not is_number(probability):
         return ""

@@ -11,7 +11,7 @@ import numpy as np
 
 from diagnosis.blindtest.formulations import EFFECTS
 from valvemodel.effects import effect_of_key
-from valvemodel.errors import unknown_name
+from valvemodel.errors import InputError, unknown_name
 
 KINDS = ("single", "pair", "none", "left-out")
 """One effect; two; none; one that the diagnosis is not offered as a candidate."""
@@ -34,6 +34,8 @@ class Settings:
         Whether the pressure is measured too.
     every : int
         Of the rows as they are driven so many are one of the record, as of a logger that is slower.
+    current_noise : float [A]
+        White noise that the current is measured with, and that the valve knows nothing of.
     """
 
     seed: int = 0
@@ -41,6 +43,7 @@ class Settings:
     only: tuple[str, ...] = ()
     with_pressure: bool = False
     every: int = 1
+    current_noise: float = 0.0
 
     def __post_init__(self) -> None:
         for kind in self.kinds:
@@ -48,6 +51,10 @@ class Settings:
                 raise unknown_name("a kind of plant", kind, KINDS)
         for key in self.only:
             effect_of_key(key)
+        if self.current_noise < 0.0:
+            raise InputError(
+                "noise is not negative", f"a current with noise of {1e3 * self.current_noise:g} mA", "give 0 or more"
+            )
 
     def as_json(self) -> dict[str, Any]:
         """Return the settings as files have them."""
@@ -57,6 +64,7 @@ class Settings:
             "only": list(self.only),
             "with_pressure": self.with_pressure,
             "every": self.every,
+            "current_noise": self.current_noise,
         }
 
 

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from diagnosis.blindtest.plants import Plant, Truth, draw_plant, measure, write_record
 from diagnosis.trials.plan import Settings, Task
 from valvemodel.errors import InputError
@@ -52,6 +54,11 @@ def make_plant(task: Task, places: Places, settings: Settings) -> None:
     make_folder(truth.parent)
     beside = record.with_suffix(".unfinished")
     measured = measure(plant, task.seeds["record"], with_pressure=settings.with_pressure)
+    if settings.current_noise > 0.0:
+        noise = settings.current_noise * np.random.default_rng(task.seeds["record"]).standard_normal(
+            len(measured["current"])
+        )
+        measured["current"] = np.maximum(measured["current"] + noise, 0.0)
     write_record(beside, {name: values[:: settings.every] for name, values in measured.items()})
     os.replace(beside, record)
     content = {"plant": plant.described(), "kind": task.kind, "seeds": task.seeds, "record_sha256": hash_of(record)}

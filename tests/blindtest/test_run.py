@@ -88,11 +88,21 @@ def test_a_slower_logger_reads_some_of_the_same_rows(sealed_once: Path, tmp_path
         assert np.array_equal(getattr(some, name), getattr(whole, name)[::4])
 
 
+def test_a_current_measured_with_noise_is_that_of_the_same_run(sealed_once: Path, tmp_path: Path):
+    noisy = replace(QUICK, current_noise=8e-6)
+    (task,), places = tasks_of(noisy, 1), Places(tmp_path)
+    make_plant(task, places, noisy)
+    exact, measured = (read_record(each.record(task)) for each in (Places(sealed_once), places))
+    assert np.array_equal(measured.position, exact.position)
+    assert np.std(measured.current - exact.current) == pytest.approx(8e-6, rel=0.05)
+
+
 def test_a_folder_from_before_there_were_slower_loggers_goes_on(sealed_once: Path):
     places = Places(sealed_once)
     before = places.seal.read_text()
     content = json.loads(before)
-    del content["settings"]["every"]
+    for later in ("every", "current_noise"):
+        del content["settings"][later]
     places.seal.write_text(json.dumps(content))
     try:
         check_settings(places, QUICK)

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnosing import diagnose
-from diagnosis.sampling import with_sampling_error
 from diagnosis.trials.marking import CONFIDENT
+from diagnosis.unrecorded import with_unrecorded
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from valvemodel.commands import command_line
@@ -68,7 +68,7 @@ def test_noise_has_in_it_what_happened_between_the_rows(given, integral_gain: fl
     time, current, reading = logged(period=0.1, noise=NOISE, integral_gain=integral_gain).T
     experiment = experiment_of(Record.from_arrays(name="service", time=time, current=current, position=reading))
     base = fit_base(given, [experiment])
-    (blurred,), notes = with_sampling_error([experiment], base)
+    (blurred,), notes = with_unrecorded([experiment], base)
     missed = np.sqrt(np.mean((experiment.position - base.simulated_on(experiment).position[0]) ** 2))
     assert bool(notes) == is_noted
     assert missed < 1.3 * blurred.noise
@@ -76,7 +76,7 @@ def test_noise_has_in_it_what_happened_between_the_rows(given, integral_gain: fl
 
 
 def test_fast_rows_have_no_sampling_error(given, quiet) -> None:
-    (same,), notes = with_sampling_error([quiet], fit_base(given, [quiet]))
+    (same,), notes = with_unrecorded([quiet], fit_base(given, [quiet]))
     assert same is quiet
     assert not notes
 

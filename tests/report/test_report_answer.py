@@ -129,7 +129,12 @@ def test_none_without_alternatives_says_so() -> None:
         (0.95, 0.0, "The model lacks nothing: refitted, it explains this record.", "Use the refitted model"),
         (0.7, 0.0, "The model most likely lacks nothing: refitted, it explains this record.", "Use the refitted model"),
         (0.4, 0.0, "The record does not decide whether the model lacks anything.", "A second record of the valve"),
-        (0.95, 1.4e-4, "The record is too slow to show whether the model lacks anything.", "Log at least ten times"),
+        (
+            0.95,
+            1.4e-4,
+            "The record says too little of the current to show whether the model lacks anything.",
+            "Log the current",
+        ),
     ],
 )
 def test_none_is_said_as_surely_as_the_record_shows_it(

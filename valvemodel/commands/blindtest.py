@@ -21,7 +21,8 @@ Examples:
   valvemodel blindtest --plants 600 --baseline --out blind
   valvemodel blindtest --plants 27 --kinds single --out singles
   valvemodel blindtest --plants 10 --kinds single,left-out --only coil_lag --out lag
-  valvemodel blindtest --every 5 --out slow""",
+  valvemodel blindtest --every 5 --out slow
+  valvemodel blindtest --current-noise "0.008 mA" --out measured""",
 )
 @click.option("--plants", type=click.IntRange(min=1), default=200, show_default=True, help="How many valves.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Another one, other valves.")
@@ -50,6 +51,13 @@ Examples:
     show_default=True,
     help="Read every so many rows alone, as a logger does that is slower than what drives the valve.",
 )
+@click.option(
+    "--current-noise",
+    default="0 mA",
+    show_default=True,
+    metavar="NOISE",
+    help="Measure the current with such noise, root mean square, instead of recording it as it is set.",
+)
 @click.option("--baseline", is_flag=True, help="Run a trivial baseline beside the diagnosis.")
 @click.option(
     "--out",
@@ -67,6 +75,7 @@ def blindtest(
     only: tuple[str, ...],
     pressure: bool,
     every: int,
+    current_noise: str,
     baseline: bool,
     out: Path,
     as_json: bool,
@@ -81,8 +90,10 @@ def blindtest(
     from diagnosis.trials.blindtest import run_blindtest
     from diagnosis.trials.plan import Settings
     from diagnosis.trials.words import lines_of
+    from valvemodel.quantities import parse_quantity
 
-    settings = Settings(seed, tuple(dict.fromkeys(each.strip() for each in kinds.split(","))), only, pressure, every)
+    wanted = tuple(dict.fromkeys(each.strip() for each in kinds.split(",")))
+    settings = Settings(seed, wanted, only, pressure, every, parse_quantity(current_noise, unit="A"))
     try:
         with progress_shown() as progress:
             test = run_blindtest(settings, plants, out, has_baseline=baseline, jobs=jobs, progress=progress)

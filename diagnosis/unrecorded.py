@@ -1,4 +1,4 @@
-"""Slow sampling: what the current did between two rows is not in a record, and adds to the noise of its readings."""
+"""What a record does not have of its current, between two rows or below noise, adds to the noise of its readings."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from identification.between_rows import MOST_PARTS, doubts_of
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
+from identification.measured_current import error_of_current
 from valvemodel.periods import straight
 
 SLOW = 0.2
@@ -22,12 +23,24 @@ MOVING = 0.5
 WORTH_SAYING = 0.3
 """Error over the noise from which it counts."""
 
+SLOW_ROWS = (
+    "what the current does between two rows shifts the stem by {error} and is not recorded; that counts as noise, and"
+    " small effects hide in it: log ten times faster"
+)
+"""What is said of slow rows."""
+
+NOISY_CURRENT = (
+    "what is left of the noise of the measured current shifts the stem by {error}; that counts as noise, and small"
+    " effects hide in it: record the current as it was set"
+)
+"""What is said of a current that was measured with noise."""
+
 KNOWN = 0.9
 """Share of the readings, those that hang least on what the current did, of which the error is taken."""
 
 
-def with_sampling_error(experiments: Sequence[Experiment], base: Fit) -> tuple[list[Experiment], list[str]]:
-    """Return experiments whose noise has in it what the current may have done between the rows, and say where.
+def with_unrecorded(experiments: Sequence[Experiment], base: Fit) -> tuple[list[Experiment], list[str]]:
+    """Return experiments whose noise has in it what they do not have of their currents, and say where and why.
 
     Parameters
     ----------
@@ -37,15 +50,16 @@ def with_sampling_error(experiments: Sequence[Experiment], base: Fit) -> tuple[l
     """
     found, notes = [], []
     for experiment in experiments:
-        error = sampling_error(experiment, base)
-        if error <= WORTH_SAYING * experiment.noise:
-            found.append(experiment)
-            continue
-        found.append(replace(experiment, noise=float(np.hypot(experiment.noise, error))))
-        notes.append(
-            f"{experiment.name}: what the current does between two rows shifts the stem by {1e3 * error:.2g} mm and is"
-            " not recorded; that counts as noise, and small effects hide in it: log ten times faster"
-        )
+        noisy, of_pressure = error_of_current(experiment, base)
+        errors = {SLOW_ROWS: sampling_error(experiment, base), NOISY_CURRENT: noisy}
+        counted = {why: error for why, error in errors.items() if error > WORTH_SAYING * experiment.noise}
+        notes += [f"{experiment.name}: {why.format(error=f'{1e3 * error:.2g} mm')}" for why, error in counted.items()]
+        if counted or of_pressure > WORTH_SAYING * experiment.pressure_noise:
+            noise = math.hypot(experiment.noise, *counted.values())
+            experiment = replace(
+                experiment, noise=noise, pressure_noise=math.hypot(experiment.pressure_noise, of_pressure)
+            )
+        found.append(experiment)
     return found, notes
 
 
