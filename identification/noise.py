@@ -17,8 +17,9 @@ FLICKERING, OFF = 1.0 / math.sqrt(math.pi), math.sqrt(2.0 / math.pi)
 places that lie anywhere between two steps, and noise that is small beside them."""
 
 
-ROUNDED, OFF_STEP = 1e-12, 1e-2
-"""Share of the range that a step is more than, and part of a step by which rounded values are off it at most."""
+ROUNDED, OFF_STEP, FEWEST_GAPS = 1e-12, 1e-2, 3
+"""Share of the range that a step is more than, part of a step by which rounded values are off it at most, and how many
+distances between neighbouring values tell it."""
 
 
 def noise_level(signal: np.ndarray) -> float:
@@ -85,11 +86,12 @@ def reading_step(signal: np.ndarray) -> float:
 def display_step(signal: np.ndarray) -> float:
     """Return the step to which the values of a signal are rounded, however many they take, or 0 where to none."""
     gaps = np.diff(np.unique(signal[np.isfinite(signal)]))
-    if not len(gaps):
+    if len(gaps) < FEWEST_GAPS:
         return 0.0
-    step = float(gaps.min())
+    among = np.diff(np.unique(np.append(gaps, 0.0)))
+    step = float(among[among > ROUNDED * gaps.sum()].min(initial=math.inf))
     steps = gaps / step
-    return step if step > ROUNDED * float(gaps.sum()) and np.abs(steps - np.round(steps)).max() < OFF_STEP else 0.0
+    return step if np.all(steps > OFF_STEP) and np.abs(steps - np.round(steps)).max() < OFF_STEP else 0.0
 
 
 def reading_grid(signal: np.ndarray) -> tuple[float, float]:
