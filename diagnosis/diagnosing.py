@@ -26,12 +26,12 @@ from diagnosis.sham import Control, control_of
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
 from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
-from identification.between_rows import said_of_motion
 from identification.cores import workers
+from identification.driving.between_rows import said_of_motion
+from identification.driving.measured_current import said_of_current
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, simulate_model
 from identification.holdout import Holdout
-from identification.measured_current import said_of_current
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates
 from valvemodel.effects import are_aliases, effect_of_key

@@ -14,11 +14,11 @@ from diagnosis.selection import select, try_together
 from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.trying import Candidate, Progress
 from diagnosis.unrecorded import largest_error, with_unrecorded
-from identification.between_rows import followed_anew, moving_between_rows
+from identification.driving.between_rows import followed_anew, moving_between_rows
+from identification.driving.measured_current import as_set
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
-from identification.measured_current import as_set
 from valvemodel.declarations import Effect
 from valvemodel.model import Model
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.between_rows import MOST_PARTS, doubts_of
+from identification.driving.between_rows import MOST_PARTS, doubts_of
+from identification.driving.measured_current import error_of_current
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
-from identification.measured_current import error_of_current
 from valvemodel.periods import straight
 
 SLOW = 0.2

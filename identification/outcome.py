@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from identification.between_rows import may_have_moved, moving_between_rows, said_of_motion
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
 from identification.display import fit_card, parameter_columns
+from identification.driving.between_rows import may_have_moved, moving_between_rows, said_of_motion
+from identification.driving.measured_current import as_set, may_be_noisy, said_of_current
 from identification.exact_fit import fit_exact
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.holdout import EVERY, Holdout, hold_out
 from identification.loop_shape import SAYS_NOTHING_OF_TIME, FittedShape, shape_of_fit
-from identification.measured_current import as_set, may_be_noisy, said_of_current
 from identification.residual import Residual, draw_residuals, residuals_of
 from identification.residual_check import Check, residual_check
 from identification.timing import experiments_of

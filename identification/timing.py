@@ -7,13 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from identification.adequacy import adequate
-from identification.clocks import check_clocks
 from identification.experiment import Experiment, experiment_of
-from identification.filled_in import without_filled_in
+from identification.mending import mend
 from identification.noise import noise_level, reading_step
-from identification.row_times import evenly_timed, with_lost_rows
-from identification.spikes import without_spikes
-from identification.stretches import longest_stretch
 from valvemodel.records import Record
 
 STEP_CURRENT = 2e-4
@@ -53,22 +49,6 @@ def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tup
     experiments = [experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped) for record, _ in mended]
     experiments, lacking = adequate(experiments)
     return experiments, notes + lacking
-
-
-def mend(record: Record) -> tuple[Record, list[str]]:
-    """Return a record without what was not measured or cannot be, and say what was left out or put right.
-
-    Raises
-    ------
-    InputError
-        If the stem moves before its current.
-    """
-    notes = []
-    for step in (without_filled_in, evenly_timed, without_spikes, longest_stretch, with_lost_rows):
-        record, said = step(record)
-        notes += said
-    check_clocks(record)
-    return record, notes
 
 
 def answers_own_row(record: Record) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from identification.between_rows import (
+from identification.driving.between_rows import (
     answers_in_row,
     doubts_of,
     jumps_between,

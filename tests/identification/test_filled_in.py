@@ -7,7 +7,7 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnosing import diagnose
-from identification.filled_in import is_filled_up, measured_rows, spacing, without_filled_in
+from identification.mending.filled_in import is_filled_up, measured_rows, spacing, without_filled_in
 from identification.noise import noise_level
 from identification.timing import experiments_of
 from valvemodel.model import Model

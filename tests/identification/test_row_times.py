@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from identification.row_times import evenly_timed, with_lost_rows
-from identification.stretches import longest_stretch
-from identification.timing import mend
+from identification.mending import mend
+from identification.mending.row_times import evenly_timed, with_lost_rows
+from identification.mending.stretches import longest_stretch
 from valvemodel.records import Record
 
 PLANT = draw_plant(21, ())

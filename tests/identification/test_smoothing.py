@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
-from identification.smoothing import WINDOWS, smoothed
+from identification.driving.smoothing import WINDOWS, smoothed
 
 NOISE = 0.01
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from identification.spikes import spikes, without_spikes
+from identification.mending.spikes import spikes, without_spikes
 from identification.timing import experiments_of
 from valvemodel.records import Record
 

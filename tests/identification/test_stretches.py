@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from identification.experiment import experiment_of
+from identification.mending.stretches import longest_stretch
 from identification.regimes import masks_of
-from identification.stretches import longest_stretch
 from valvemodel.records import Record
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from identification.mending.stretches import LOST_PERIODS
 from identification.noise import display_step
-from identification.stretches import LOST_PERIODS
 from valvemodel.records import Record
 
 COARSE = 0.02

@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from identification.adequacy import NOISELESS
-from identification.between_rows import without
+from identification.driving.between_rows import without
+from identification.driving.smoothing import smoothed
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level, reading_step
-from identification.smoothing import smoothed
 from identification.uncertainty import rms_of
 
 WORTH = 0.3
