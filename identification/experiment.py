@@ -28,6 +28,9 @@ ANCHOR_INTERVAL = 2.0
 ANCHOR_REACH = 3
 """Readings on either side that an anchor is the mean of."""
 
+SPARSE = 0.5
+"""Share of the rows with a reading below which those beside it are the next ones that were read."""
+
 ANCHOR_TOLERANCE = 1.5
 """A run is put anew on an anchor from which it is off by more than this, far above the anchor's own error. [noise]"""
 
@@ -124,11 +127,14 @@ class Experiment:
         """
         anchors = np.full(len(self.time), np.nan)
         width = 2 * ANCHOR_REACH + 1
-        if len(anchors) <= width:
+        is_read = np.isfinite(self.position)
+        rows = np.flatnonzero(is_read) if is_read.mean() < SPARSE else np.arange(len(anchors))
+        if len(rows) <= width:
             return anchors
-        windows = np.lib.stride_tricks.sliding_window_view(self.position, width)
-        spread = np.full(len(anchors), np.inf)
-        spread[ANCHOR_REACH:-ANCHOR_REACH] = windows.std(axis=1)
+        windows = np.lib.stride_tricks.sliding_window_view(self.position[rows], width)
+        spread, means = np.full(len(anchors), np.inf), np.full(len(anchors), np.nan)
+        middles = rows[ANCHOR_REACH:-ANCHOR_REACH]
+        spread[middles], means[middles] = windows.std(axis=1), windows.mean(axis=1)
         spread[~np.isfinite(spread)] = np.inf
         for number in range(1, int(self.time[-1] / ANCHOR_INTERVAL)):
             middle = number * ANCHOR_INTERVAL
@@ -137,7 +143,7 @@ class Experiment:
                 continue
             quietest = first + int(np.argmin(spread[first:last]))
             if spread[quietest] < 2.0 * self.noise:
-                anchors[quietest] = windows[quietest - ANCHOR_REACH].mean()
+                anchors[quietest] = means[quietest]
         return anchors
 
     def is_same(self, other: Experiment) -> bool:

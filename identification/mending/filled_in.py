@@ -16,7 +16,7 @@ ROUNDED_LINE = 2.5
 """Steps of a display by which rows on a straight line bend at most, as each of three is rounded."""
 
 STANDS_OUT = 4.0
-"""Measured rows usually bend by so many times that."""
+"""So many of them bend by so many times that."""
 
 ROUNDING = 1e-9
 """Share of the range that is taken for rounding."""
@@ -28,8 +28,9 @@ LONGEST, EVEN, USUAL = 50, 3.0, 0.9
 """Measured rows are usually so many rows apart at most, and most of them no farther than so many times that: slips of a
 stem that sticks come less often, and less evenly."""
 
-STEPS = 2.5
-"""Measured rows usually change by more than so many steps of the readings: a coarse reading repeats itself too."""
+STEPS, OFTEN = 1.5, 0.3
+"""Such a share of the measured rows changes by more than so many steps of the readings: a coarse reading repeats itself
+too, and changes by one step then."""
 
 RUN, IN_RUNS = 3, 0.05
 """Of measured rows among filled-in ones at most such a share stand in runs of so many or more: where each row was
@@ -90,7 +91,7 @@ def measured_rows(signal: np.ndarray) -> np.ndarray:
         if not 0.0 < is_new.mean() <= 1.0 - FILLED:
             continue
         is_exact = np.quantile(change[~is_new], EXACT) <= rounding
-        stands_out = np.median(change[is_new]) > max(steps, STANDS_OUT * slack)
+        stands_out = np.quantile(change[is_new], 1.0 - OFTEN) > max(steps, STANDS_OUT * slack)
         if is_exact and stands_out and _comes_evenly(is_new) and _stands_alone(is_new):
             return np.concatenate([[True], is_new, [True] * (order - 1)])
     return np.ones(len(signal), bool)
