@@ -77,6 +77,9 @@ def test_a_position_filled_up_beside_a_faster_current_is_left_where_it_was_measu
     assert "of the rows of the position" in note
     (experiment,), _ = experiments_of([record_of(position=filled)])
     assert experiment.noise == pytest.approx(noise_level(SIGNALS["position"]), rel=0.5)
+    anchored = np.isfinite(experiment.anchors)
+    assert anchored.sum() > 10
+    assert np.abs(experiment.anchors - SIGNALS["position"])[anchored].max() < 4.0 * experiment.noise
 
 
 def test_a_current_that_moves_otherwise_is_not_filled_up():

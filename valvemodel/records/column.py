@@ -159,7 +159,7 @@ def _bad_cell(cells: Cells, rows: npt.NDArray[np.intp]) -> InputError:
     cell = cells.series[int(rows[0])]
     more = f" (and {rows.size - 1} more cells like it)" if rows.size > 1 else ""
     where = cells.at(int(rows[0]))
-    drop = "drop these rows, or fill them in and say so"
+    drop = "drop these rows: where a few in a row are lost, that is bridged"
     if cell is None or str(cell).strip() == "":
         return InputError("each cell holds a number", f"{where}: the cell is empty{more}", drop)
     if isinstance(cell, float) or str(cell).strip().lower() in _NO_VALUE:
