@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.driving.between_rows import MOST_PARTS, doubts_of
+from identification.driving.between_rows import MOST_PARTS, doubts_of, rms_of_most
 from identification.driving.measured_current import error_of_current
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
@@ -34,9 +34,6 @@ NOISY_CURRENT = (
     " effects hide in it: record the current as it was set"
 )
 """What is said of a current that was measured with noise."""
-
-KNOWN = 0.9
-"""Share of the readings, those that hang least on what the current did, of which the error is taken."""
 
 
 def with_unrecorded(experiments: Sequence[Experiment], base: Fit) -> tuple[list[Experiment], list[str]]:
@@ -77,8 +74,7 @@ def sampling_error(experiment: Experiment, base: Fit) -> float:
     """
     if experiment.parts > 1:
         doubts, _ = doubts_of(experiment, base)
-        known = np.sort(doubts[np.isfinite(experiment.position)])
-        return float(np.sqrt(np.mean(known[: round(KNOWN * len(known))] ** 2)))
+        return rms_of_most(doubts[np.isfinite(experiment.position)])
     if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOVING:
         return 0.0
     held = base.simulated_on(experiment).position[0]

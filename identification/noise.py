@@ -16,7 +16,6 @@ FLICKERING, OFF = 1.0 / math.sqrt(math.pi), math.sqrt(2.0 / math.pi)
 """Shares of readings in steps that stand alone between two alike, and that are off by a step, over noise by step: of
 places that lie anywhere between two steps, and noise that is small beside them."""
 
-
 ROUNDED, OFF_STEP, FEWEST_GAPS = 1e-12, 1e-2, 3
 """Share of the range that a step is more than, part of a step by which rounded values are off it at most, and how many
 distances between neighbouring values tell it."""

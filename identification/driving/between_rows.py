@@ -242,15 +242,24 @@ def answers_in_row(experiment: Experiment) -> np.ndarray:
 
 def without_unsure(experiment: Experiment, near: Fit) -> Experiment:
     """Return an experiment whose current moves on without the readings that hang on how it does."""
-    doubt, of_pressure = doubts_of(experiment, near)
-    doubt = doubt / experiment.noise
+    return without_doubtful(experiment, doubts_of(experiment, near), SURE)
+
+
+def without_doubtful(experiment: Experiment, doubts: tuple[np.ndarray, np.ndarray], sure: float) -> Experiment:
+    """Return an experiment without the readings that are in doubt.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    doubts : arrays, shape (n,) [m], [Pa]
+        Of position and pressure.
+    sure : float [noise]
+        What is no doubt yet, unless too few readings would be left.
+    """
+    position, of_pressure = doubts
+    doubt = position / experiment.noise
     if experiment.pressure is not None:
         doubt = np.maximum(doubt, of_pressure / experiment.pressure_noise)
-    return without(experiment, doubt, SURE)
-
-
-def without(experiment: Experiment, doubt: np.ndarray, sure: float) -> Experiment:
-    """Return an experiment without the readings that are in doubt, shape (n,) and how much of it is none. [noise]"""
     limit = max(sure, float(np.quantile(doubt[np.isfinite(experiment.position)], LEAST_SURE)))
     is_unsure = doubt > limit
     pressure = None if experiment.pressure is None else np.where(is_unsure, np.nan, experiment.pressure)
@@ -275,6 +284,10 @@ def doubts_of(experiment: Experiment, near: Fit) -> tuple[np.ndarray, np.ndarray
 
 def usual_error(experiment: Experiment, fit: Fit) -> float:
     """Return what a fit misses, root mean square, but for the largest: a few rows may show an effect very much. [m]"""
-    errors = np.abs(experiment.position - fit.simulated_on(experiment).position[0])
-    known = np.sort(errors[np.isfinite(errors)])
+    return rms_of_most(experiment.position - fit.simulated_on(experiment).position[0])
+
+
+def rms_of_most(errors: np.ndarray) -> float:
+    """Return the root mean square of errors, NaN where there is none, but for the largest tenth."""
+    known = np.sort(np.abs(errors[np.isfinite(errors)]))
     return float(np.sqrt(np.mean(known[: round(USUAL * len(known))] ** 2)))

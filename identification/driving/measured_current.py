@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from identification.adequacy import NOISELESS
-from identification.driving.between_rows import without
+from identification.driving.between_rows import without_doubtful
 from identification.driving.smoothing import smoothed
-from identification.experiment import Experiment
+from identification.experiment import Experiment, Simulated
 from identification.fit import Fit, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level, reading_step
 from identification.uncertainty import rms_of
@@ -93,7 +93,7 @@ def doubts_of_current(experiment: Experiment, base: Fit) -> tuple[np.ndarray, np
     The smooth current with noise of the same kind is smoothed again, some times: what then drives the valve otherwise,
     root mean square.
     """
-    generator = np.random.default_rng(0)
+    generator, through = np.random.default_rng(0), base.simulated_on(experiment)
     white, step = experiment.current_noise, experiment.current_step
     shifts = []
     for _ in range(DRAWS):
@@ -102,7 +102,7 @@ def doubts_of_current(experiment: Experiment, base: Fit) -> tuple[np.ndarray, np
             shift = step * generator.uniform(-0.5, 0.5)
             current = step * np.round((current + shift) / step) - shift
         again = replace(experiment, current=smoothed(current, _whole(white, step)))
-        shifts.append(_shifts(base, again, experiment))
+        shifts.append(_shifts(base, again, through))
     position, pressure = np.sqrt(np.mean(np.square(shifts), axis=0))
     return position, pressure
 
@@ -114,27 +114,18 @@ def _as_set(experiment: Experiment, base: Fit) -> Experiment:
     white, step = _noise_of(experiment)
     smooth = smoothed(experiment.current, _whole(white, step))
     found = replace(experiment, current=smooth, current_noise=white, current_step=step)
-    if _rms(_shifts(base, experiment, found)[0]) < _least(experiment):
+    if _rms(_shifts(base, experiment, base.simulated_on(found))[0]) < _least(experiment):
         return experiment
     near = fitted_to_all(base, [found], starts_anew=True)
     missed, missed_before = (rms_of(fit, [each], measured([each])) for fit, each in ((near, found), (base, experiment)))
     if missed > NO_FARTHER * missed_before:
         return experiment
-    left = np.diff(found.position - near.simulated_on(found).smooth[0])
-    shift = np.diff(_shifts(near, experiment, found)[0])
+    through = near.simulated_on(found)
+    left, shift = np.diff(found.position - through.smooth[0]), np.diff(_shifts(near, experiment, through)[0])
     known = np.isfinite(left)
     if np.sum(left[known] * shift[known]) > ANSWERED * np.sum(shift[known] ** 2):
         return experiment
-    return _without_unsure(found, near)
-
-
-def _without_unsure(experiment: Experiment, near: Fit) -> Experiment:
-    """Return an experiment without the readings that hang too much on what is left of the noise of its current."""
-    position, pressure = doubts_of_current(experiment, near)
-    doubt = position / experiment.noise
-    if experiment.pressure is not None:
-        doubt = np.maximum(doubt, pressure / experiment.pressure_noise)
-    return without(experiment, doubt, SURE)
+    return without_doubtful(found, doubts_of_current(found, near), SURE)
 
 
 def _least(experiment: Experiment) -> float:
@@ -156,11 +147,10 @@ def _whole(white: float, step: float) -> float:
     return math.hypot(white, step / math.sqrt(12.0))
 
 
-def _shifts(near: Fit, experiment: Experiment, other: Experiment) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far a model goes otherwise with one current than with another, shape (n,). [m], [Pa]"""
-    start = near.simulated_on(other).smooth[0][0]
-    here, there = (simulate_model(near.model, each, start_position=start) for each in (experiment, other))
-    return here.smooth[0] - there.smooth[0], here.pressure[0] - there.pressure[0]
+def _shifts(near: Fit, experiment: Experiment, through: Simulated) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far a model goes otherwise than in another run, from the same start, shape (n,). [m], [Pa]"""
+    run = simulate_model(near.model, experiment, start_position=through.smooth[0][0])
+    return run.smooth[0] - through.smooth[0], run.pressure[0] - through.pressure[0]
 
 
 def _rms(shift: np.ndarray) -> float:

@@ -16,7 +16,7 @@ ROUNDED_LINE = 2.5
 """Steps of a display by which rows on a straight line bend at most, as each of three is rounded."""
 
 STANDS_OUT = 4.0
-"""So many of them bend by so many times that."""
+"""Measured rows bend by more than so many times that, as many of them as stand out from steps."""
 
 ROUNDING = 1e-9
 """Share of the range that is taken for rounding."""
@@ -55,15 +55,7 @@ def without_filled_in(record: Record) -> tuple[Record, list[str]]:
         return record, []
     every, first = spacing(is_measured)
     if every > 1 and is_filled_up(record.current, every, first):
-        kept = slice(first, None, every)
-        slower = replace(
-            record,
-            time=record.time[kept],
-            current=record.current[kept],
-            position=record.position[kept],
-            pressure=None if pressure is None else pressure[kept],
-        )
-        return slower, [
+        return record.at_rows(slice(first, None, every)), [
             f"{record.name}: only every {every}th row was measured, the others repeat it or lie straight between two;"
             " only the measured ones count: export the rows as they were logged"
         ]

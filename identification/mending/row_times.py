@@ -20,7 +20,7 @@ EXACT, WITHIN = 0.05, 0.7
 SEVERAL = 1.9
 """Usual intervals from which an interval lacks a row."""
 
-ROUNDS = 3
+ROUNDS = 2
 """How often the interval is found from the numbers of the rows, and these from it."""
 
 RARE = 0.1
@@ -52,12 +52,13 @@ def _is_rounded(time: np.ndarray, even: np.ndarray, step: float) -> bool:
 def _even(time: np.ndarray, intervals: np.ndarray) -> Iterator[np.ndarray]:
     """Yield the times of rows that come evenly, nearest to their own: if none was lost, then as intervals tell. [s]"""
     numbers = np.arange(float(len(time)))
+    yield np.polyval(np.polyfit(numbers, time, 1), numbers)
     period = float(np.mean(intervals[intervals < SEVERAL * np.median(intervals)]))
     for _ in range(ROUNDS):
+        numbers = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(intervals / period), 1.0))])
         line = np.polyfit(numbers, time, 1)
         yield np.polyval(line, numbers)
-        numbers = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(intervals / period), 1.0))])
-        period = float(np.polyfit(numbers, time, 1)[0])
+        period = float(line[0])
 
 
 def with_lost_rows(record: Record) -> tuple[Record, list[str]]:

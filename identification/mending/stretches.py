@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,16 +31,8 @@ def longest_stretch(record: Record) -> tuple[Record, list[str]]:
         return record, []
     edges = [0, *ends.tolist(), len(record.time)]
     first, last = max(pairwise(edges), key=lambda pair: pair[1] - pair[0])
-    kept = slice(first, last)
-    cut = replace(
-        record,
-        time=record.time[kept],
-        current=record.current[kept],
-        position=record.position[kept],
-        pressure=None if record.pressure is None else record.pressure[kept],
-    )
     note = (
         f"{record.name}: the valve moved in {len(ends)} gap(s) of the record; only the longest stretch counts, "
         f"{record.time[first]:g} s to {record.time[last - 1]:g} s: give the others as records of their own"
     )
-    return cut, [note]
+    return record.at_rows(slice(first, last)), [note]

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from valvemodel.records import read_record, write_table
+from valvemodel.records import Record, read_record, write_table
 
 DATA = Path(os.environ.get("VALVEMODEL_DATA", Path(__file__).parents[3] / "shared" / "data"))
 
@@ -53,3 +53,10 @@ def test_long_record_reads_in_seconds(tmp_path):
     assert len(read_record(tmp_path / "long.csv")) == count
     # a million rows take under two seconds on an idle core; the bound leaves room for a busy one
     assert time.perf_counter() - start < 6
+
+
+def test_some_rows_of_a_record_are_a_record():
+    whole = Record.from_arrays("part", time=[0, 1, 2, 3], current=[4, 5, 6, 7], position=[0, 2, 4, 6], warnings=("w",))
+    part = whole.at_rows(slice(1, None, 2))
+    assert (part.name, part.warnings, part.pressure, len(part)) == ("part", ("w",), None, 2)
+    assert [signal.tolist() for signal in (part.time, part.current, part.position)] == [[1, 3], [5, 7], [2, 6]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -114,6 +114,10 @@ class Record(Shown, Plotted):
             **{name: values for name in SIGNALS if (values := getattr(self, name)) is not None},
             is_percent=self.position_unit == "%",
         )
+
+    def at_rows(self, rows: slice) -> Record:
+        """Return the same record with some of its rows alone."""
+        return replace(self, **{name: values[rows] for name in SIGNALS if (values := getattr(self, name)) is not None})
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a DataFrame of the signals, by name with unit, as `read_record` takes it.
