@@ -12,14 +12,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from diagnosis.base_numbers import BaseNumber, base_numbers
+from diagnosis.breakaway_curves import curves_of_ageing
 from diagnosis.ceiling import ceiling_of
 from diagnosis.confusability import Confusability, confusability
+from diagnosis.curve import Curve
 from diagnosis.display import Told
 from diagnosis.hiding import with_hidden
 from diagnosis.judgement import Judgement, judge, rivals_of
+from diagnosis.own_signals import Explained
 from diagnosis.regime_map import RegimeMap, regime_map
 from diagnosis.regimes import Regime, regimes_of
-from diagnosis.residual_curves import Curve, residual_curves
+from diagnosis.residual_curves import residual_curves
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of
 from diagnosis.searching import Search
 from diagnosis.sham import Control, control_of
@@ -325,11 +328,21 @@ def diagnose_with(
         confusability=confusability(whole_base, library),
         control=control,
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
-        residual_curves=residual_curves(experiments, whole_base, likely) if verdict == "unknown" else [],
+        residual_curves=curves_left(verdict, shown, experiments, whole_base, likely),
         steps=steps_of(as_given, tried, shown, floor, yardstick),
         warnings=(*(each for record in records for each in record.warnings), *notes, *searched.notes, *control.notes),
         seconds=time.perf_counter() - began,
     )
+
+
+def curves_left(
+    verdict: str, shown: Candidate, experiments: Sequence[Experiment], base: Fit, likely: Sequence[Explained]
+) -> list[Curve]:
+    """Return what is left over what it depends on: all where no cause was found, else what a law of jumps leaves."""
+    if verdict == "unknown":
+        return residual_curves(experiments, base, likely)
+    jumps = verdict == "effect" and any(effect_of_key(key).breakaway for key in shown.effects)
+    return curves_of_ageing(base) if jumps else []
 
 
 def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:

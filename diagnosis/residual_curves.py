@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
+from diagnosis.breakaway_curves import curves_of_breakaways
+from diagnosis.curve import Curve
 from diagnosis.own_signals import Explained
 from diagnosis.score import persistence_of
 from identification.experiment import Experiment
@@ -36,43 +37,6 @@ WIDEST = 4.5
 """A residual counts up to this many times its median absolute value, three standard deviations of a normal one."""
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The mean of a residual over a quantity.
-
-    Attributes
-    ----------
-    signal, unit : str
-        `position`, `pressure`, `gap`, `force` or `friction` (the force against the motion), measured less modelled.
-    stage : str
-        Where the residual arises: the stage, or those before the position where the pressure was not measured.
-    against, against_unit : str
-        The quantity.
-    at, mean, error : arrays, shape (bins,)
-        Middle of each bin, mean of the residual in it and its standard error; neighbouring samples that go together
-        count as one.
-    share : float
-        Part of the residual's variance that the curve explains.
-    is_lead : bool
-        Whether it is no residual but what the stage would have to do by its own signals.
-    """
-
-    signal: str
-    unit: str
-    stage: str
-    against: str
-    against_unit: str
-    at: np.ndarray
-    mean: np.ndarray
-    error: np.ndarray
-    share: float
-    is_lead: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the curve as diagnosis.json has it."""
-        return vars(self)
-
-
 def residual_curves(experiments: Sequence[Experiment], base: Fit, explained: Sequence[Explained] = ()) -> list[Curve]:
     """Return what the residuals depend on, for each signal the quantity first that explains most.
 
@@ -80,11 +44,13 @@ def residual_curves(experiments: Sequence[Experiment], base: Fit, explained: Seq
 
     Position and, where measured, pressure are compared with the base's own run; the gap is that which the measured
     pressure takes at rest, less that which the current makes; the force is the measured pressure's on the diaphragm,
-    less what mass, spring and friction take (least squares while the stem moves).
+    less what mass, spring and friction take (least squares while the stem moves). What it takes to break away is shown
+    where one force does not explain it.
     """
     curves = list(curves_of_run(experiments, base))
     if all(experiment.pressure is not None for experiment in experiments):
         curves += curves_of_force(experiments, base.model)
+    curves += curves_of_breakaways(base)
     measured = {curve.signal for curve in curves}
     curves += [curve for curve in curves_of_own_signals(explained) if curve.signal not in measured]
     signals = dict.fromkeys(curve.signal for curve in curves)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from diagnosis.curve import AT_REST, PLAIN
 from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_vague, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
@@ -186,6 +187,17 @@ def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
+def breaking_away(diagnosis: Mapping[str, Any]) -> str:
+    """Say what the force of breaking away depends on, if that is plain and the gap has a cause or is the stem's."""
+    curves = [curve for curve in diagnosis.get("residual_curves") or () if curve["signal"] == "breakaway force"]
+    is_elsewhere = diagnosis["verdict"] == "unknown" and (diagnosis.get("where") or {}).get("stage") != "stem"
+    if not curves or curves[0]["share"] < PLAIN or is_elsewhere:
+        return ""
+    against, share = curves[0]["against"], percent(curves[0]["share"])
+    meant = ", as of friction that grows while the stem rests" if against == AT_REST else ""
+    return f"The force at which the stem breaks away depends on the {against}, which explains {share} of it{meant}."
+
+
 def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, ...]) -> str:
     """Say what to do with the answer, and then how to settle what it leaves open."""
     verdict, designed = diagnosis["verdict"], designed_of(diagnosis)
@@ -208,7 +220,7 @@ def next_step_of(diagnosis: Mapping[str, Any], alternatives: tuple[Alternative, 
     if _is_of_this_record(cause):
         later = "The load that was found is that of this record alone: the model (model.json) foretells no other's."
         return f"{look}. {later} {designed}".rstrip()
-    confirmed = designed or "A second record of the same valve confirms it."
+    confirmed = f"{breaking_away(diagnosis)} {designed or 'A second record of the same valve confirms it.'}".lstrip()
     return f"{look}, and use the found model (model.json) in place of the base. {confirmed}"
 
 
@@ -221,10 +233,9 @@ def _is_of_this_record(cause: Mapping[str, Any]) -> bool:
 def _look(diagnosis: Mapping[str, Any]) -> str:
     """Say where to look for a cause that has no name."""
     measured = "" if "pressure" in (diagnosis.get("signals") or ()) else "the actuator pressure measured and with "
-    return (
-        f"Look at {_stage_in_words(diagnosis)}{_lead(diagnosis)}, and in the report at what the models leave: when and "
-        f"where it is large is the lead. A second record, with {measured}slower and faster strokes, narrows it down."
-    )
+    look = f"Look at {_stage_in_words(diagnosis)}{_lead(diagnosis)}, and in the report at what the models leave"
+    lead = breaking_away(diagnosis) or "When and where it is large is the lead."
+    return f"{look}. {lead} A second record, with {measured}slower and faster strokes, narrows it down."
 
 
 def _lead(diagnosis: Mapping[str, Any]) -> str:

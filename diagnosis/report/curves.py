@@ -59,12 +59,16 @@ def curves_picture(name: str, curves: Sequence[Mapping[str, Any]], *, is_wide: b
 
 
 def _draw_curve(axes: Axes, curve: Mapping[str, Any], factor: float) -> None:
-    """Draw the mean of what is left over one quantity, with its band and the share that it explains."""
+    """Draw what is left over one quantity, its mean or single values, with the band and the share that it explains."""
     shown, factor_x = shown_unit(curve["against_unit"], curve["at"])
     at = factor_x * np.asarray(curve["at"])
     below, above = factor * _band(curve)
-    axes.fill_between(at, below, above, color=CAUSE, alpha=0.22, linewidth=0)
-    axes.plot(at, factor * np.asarray(curve["mean"]), color=CAUSE)
+    if curve.get("has_single"):
+        axes.vlines(at, below, above, color=CAUSE, alpha=0.22, linewidth=2.0)
+        axes.plot(at, factor * np.asarray(curve["mean"]), "o", color=CAUSE, markersize=4.0)
+    else:
+        axes.fill_between(at, below, above, color=CAUSE, alpha=0.22, linewidth=0)
+        axes.plot(at, factor * np.asarray(curve["mean"]), color=CAUSE)
     axes.axhline(0.0, color=INK, linewidth=0.7)
     axes.set_xlabel(f"{curve['against']} [{shown}]")
     axes.set_title(percent(curve["share"]), fontsize=9.5, loc="right")

@@ -129,7 +129,7 @@ def residual_pictures(curves: Sequence[Mapping[str, Any]]) -> list[Picture]:
         Picture(
             Markup(curves_picture(f"left-{signal}", own, is_wide=True)),
             _title_of(own[0]),
-            f"Mean of {'' if own[0].get('is_lead') else 'what is left of '}the {signal} over {_curves_in_words(own)}.",
+            f"{_shown(own[0])} the {signal} over {_curves_in_words(own)}.",
             narrow=Markup(curves_picture(f"left-{signal}-narrow", own, is_wide=False)),
         )
         for signal, own in by_signal.items()
@@ -161,6 +161,13 @@ def _title_of(curve: Mapping[str, Any]) -> str:
     if curve.get("is_lead"):
         return f"{signal.capitalize()} that the {curve['stage']} would need by its own signals"
     return f"{signal.capitalize()} ({curve['stage']})" if curve["stage"] != "any" else signal.capitalize()
+
+
+def _shown(curve: Mapping[str, Any]) -> str:
+    """Say what of a signal is drawn."""
+    if curve.get("is_lead"):
+        return "Mean of"
+    return f"{'Values' if curve.get('has_single') else 'Mean'} of what is left of"
 
 
 def _curves_in_words(curves: Sequence[Mapping[str, Any]]) -> str:
