@@ -200,7 +200,7 @@ def steps_picture(name: str, evidence: Evidence) -> str:
     height = 0.62 * count + 0.55
 
     def draw(figure: Figure) -> None:
-        draw_steps(figure.add_axes((0.03, 0.5 / height, 0.94, 1 - 0.55 / height)), evidence.steps, evidence.unit)
+        draw_steps(figure.add_axes((0.05, 0.5 / height, 0.92, 1 - 0.55 / height)), evidence.steps, evidence.unit)
 
     return picture(name, draw, (HALF[0], height))
 

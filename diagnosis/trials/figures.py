@@ -37,7 +37,7 @@ def outcomes_picture(name: str, kinds: Mapping[str, Any]) -> str:
     """Return bars of the outcomes, one for each kind of plant, as SVG."""
 
     def draw(figure: Figure) -> None:
-        axes = figure.add_axes((0.17, 0.12, 0.8, 0.62))
+        axes = figure.add_axes((0.17, 0.12, 0.8, 0.70))
         shown = [outcome for outcome in OUTCOMES if any(outcome in each["outcomes"] for each in kinds.values())]
         left = np.zeros(len(kinds))
         for outcome in shown:
@@ -129,23 +129,23 @@ def seconds_picture(name: str, seconds: Sequence[float]) -> str:
 
 
 def confusion_picture(name: str, kind: str, confusion: Mapping[str, Any]) -> str:
-    """Return a matrix of counts, a row for each effect that occurs, as SVG; green is right by the rule of the kind."""
+    """Return a matrix of counts, a row for each effect that occurs, as SVG.
+
+    Green is right by the rule of the kind; pale green is an alias of what is there, which a declared set may have.
+    """
     counts = np.asarray(confusion[kind])
     rows = np.flatnonzero(counts.sum(axis=1))
     columns = np.flatnonzero(counts.sum(axis=0) + np.isin(np.arange(counts.shape[1]), rows))
     shown = counts[np.ix_(rows, columns)]
     row_keys, column_keys = (np.asarray(confusion[side])[used] for side, used in (("rows", rows), ("columns", columns)))
-    right = np.array([[_is_right(kind, there, said) for said in column_keys] for there in row_keys])
+    colour_of = np.array([[_colour(kind, there, said) for said in column_keys] for there in row_keys])
     width, height = 10.2, 1.9 + 0.24 * len(rows)
 
     def draw(figure: Figure) -> None:
         box = (0.235, 0.05 / height, 0.725, 1 - 1.95 / height)
         axes = figure.add_axes(box)
         share = shown / shown.sum(axis=1, keepdims=True)
-        colours = np.ones((*shown.shape, 3))
-        for mask, colour in ((right, (0, 0.62, 0.45)), (~right, (0.84, 0.37, 0.0))):
-            tint = 1.0 - share[..., None] * (1.0 - np.array(colour))
-            colours = np.where(mask[..., None], tint, colours)
+        colours = 1.0 - share[..., None] * (1.0 - colour_of)
         axes.imshow(colours, aspect="auto", interpolation="nearest")
         for row, column in zip(*np.nonzero(shown), strict=True):
             axes.text(
@@ -171,10 +171,13 @@ def confusion_picture(name: str, kind: str, confusion: Mapping[str, Any]) -> str
 _NO_EFFECTS = ("none", "several", "unknown", "failed")
 
 
-def _is_right(kind: str, there: str, said: str) -> bool:
-    if kind != "left-out":
-        return there == said
-    return said == "unknown" or (said not in _NO_EFFECTS[1:] and are_aliases(there, said))
+def _colour(kind: str, there: str, said: str) -> tuple[float, ...]:
+    """Return the colour of an answer: that of right ones, of aliases, or of wrong ones."""
+    from matplotlib.colors import to_rgb
+
+    is_alias = said not in _NO_EFFECTS[1:] and are_aliases(there, said)
+    is_right = (said == "unknown" or is_alias) if kind == "left-out" else there == said
+    return to_rgb(_COLOURS["right" if is_right else "alias" if is_alias else "wrong"])
 
 
 def _label(key: str) -> str:

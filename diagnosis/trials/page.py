@@ -117,7 +117,7 @@ def _matrices(content: Mapping[str, Any]) -> list[Picture]:
         Picture(
             Markup(figures.confusion_picture(f"confusion-{kind}", kind, confusion)),
             title,
-            "Matrix of counts: a row for each effect that is there, a column for each answer.",
+            "Matrix of counts: a row for each effect that is there, a column for each answer; an alias of it is paler.",
             scrolls=True,
         )
         for kind, title in titles.items()
