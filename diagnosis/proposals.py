@@ -55,6 +55,9 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
+RIVAL = 5.0
+"""Factor within which two effects lie behind the best two, one of which they share, to be tried on top of that one."""
+
 BEHIND, BEHIND_NEAR, SLIGHTLY = 1.5, 2.0, 1.02
 """Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
 tried once more: as fitted alone with the other effect on top, in all and beyond the noise, and on top of that."""
@@ -212,8 +215,9 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
     record nothing else was tried on top of that. It must explain some alone. What hides in the base valve's numbers
     promises little by slopes, and is tried as well unless the noise is reached: nothing can come nearer than that, but
-    an alias may come as near. Where nothing explains the record the best effects have been tried with all that promises
-    most.
+    an alias may come as near. So is a rival, two effects that were followed together and lie not far behind: they may
+    lack another form alone, and come nearer than what is at the noise already, as that is estimated. Where nothing
+    explains the record the best effects have been tried with all that promises most.
     """
     best = best_of(tried, 2)[0]
     if not explains(best, tried[0]):
@@ -224,11 +228,13 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     work: list[Work] = []
     for kept, left, other in exchanges(best, alone.values()):
         (key,) = other.effects
-        stays = not effect_of_key(kept).is_jagged and not alone[kept].has_series and misfit(alone[kept]) <= some
+        first = effect_of_key(kept)
+        stays = not first.breakaway and not alone[kept].has_series and misfit(alone[kept]) <= some
         before = known.get(frozenset((kept, key)))
+        is_rival = before is not None and before.is_joint and SLIGHTLY < misfit(before) / misfit(best) < RIVAL
         is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
-        if stays and is_behind and is_called:
+        if stays and (is_rival or (is_behind and is_called and not first.is_jagged)):
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
 

@@ -54,6 +54,8 @@ class Candidate:
         Whether one of the effects is a whole series of waves, which has no other form than ours.
     is_sharpened : bool
         Whether it was searched about, which takes long and is done once.
+    is_joint : bool
+        Whether its two effects were followed down together, none on top of the other.
     """
 
     effects: tuple[str, ...]
@@ -63,6 +65,7 @@ class Candidate:
     freedom: int = 0
     has_series: bool = False
     is_sharpened: bool = False
+    is_joint: bool = False
 
 
 @dataclass(frozen=True)

@@ -350,6 +350,23 @@ def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
     assert [each.effects for each in at_noise] == expected[:1]
 
 
+@pytest.mark.parametrize(("left", "is_joint", "is_tried"), [(3.1, True, True), (3.1, False, False), (9.0, True, False)])
+def test_two_effects_that_were_followed_together_are_tried_on_top_of_what_they_share_with_the_best(
+    left, is_joint, is_tried
+):
+    """A rival that lacked another form alone came nearer than what was at the noise."""
+    spot = "position_dependent_friction"
+    alone = [
+        candidate(30.0, spot),
+        candidate(170.0, "spring_hardening"),
+        candidate(175.0, "pressure_dependent_friction"),
+    ]
+    best, behind = candidate(1.0, spot, "spring_hardening"), candidate(left, spot, "pressure_dependent_friction")
+    work = proposals.on_what_stays([candidate(240.0), *alone, best, replace(behind, is_joint=is_joint)])
+    assert [each.effects for each in work] == [(spot, "pressure_dependent_friction")] * is_tried
+    assert all(each.fit is alone[0].fit for each in work)
+
+
 @pytest.mark.parametrize(
     ("left", "known", "is_searched"),
     [(60.0, 99.0, True), (130.0, 99.0, True), (140.0, 99.0, False), (60.0, 1.1, False)],
