@@ -55,8 +55,8 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
-RIVAL = 5.0
-"""Factor within which two effects lie behind the best two, one of which they share, to be tried on top of that one."""
+NEAR_MISS, NEAR_MISSES = 5.0, 4
+"""Factor within which two effects lie behind the best two to be tried in another order, and the most that are."""
 
 BEHIND, BEHIND_NEAR, SLIGHTLY = 1.5, 2.0, 1.02
 """Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
@@ -215,9 +215,8 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     An alias as fitted alone may have gone astray without the effect that stays, and where two effects explain the
     record nothing else was tried on top of that. It must explain some alone. What hides in the base valve's numbers
     promises little by slopes, and is tried as well unless the noise is reached: nothing can come nearer than that, but
-    an alias may come as near. So is a rival, two effects that were followed together and lie not far behind: they may
-    lack another form alone, and come nearer than what is at the noise already, as that is estimated. Where nothing
-    explains the record the best effects have been tried with all that promises most.
+    an alias may come as near. Where nothing explains the record the best effects have been tried with all that promises
+    most.
     """
     best = best_of(tried, 2)[0]
     if not explains(best, tried[0]):
@@ -228,15 +227,35 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     work: list[Work] = []
     for kept, left, other in exchanges(best, alone.values()):
         (key,) = other.effects
-        first = effect_of_key(kept)
-        stays = not first.breakaway and not alone[kept].has_series and misfit(alone[kept]) <= some
+        stays = not effect_of_key(kept).is_jagged and not alone[kept].has_series and misfit(alone[kept]) <= some
         before = known.get(frozenset((kept, key)))
-        is_rival = before is not None and before.is_joint and SLIGHTLY < misfit(before) / misfit(best) < RIVAL
         is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
-        if stays and (is_rival or (is_behind and is_called and not first.is_jagged)):
+        if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
     return worthwhile(work, tried)
+
+
+def near_misses(tried: Sequence[Candidate]) -> list[Work]:
+    """Return what lies not far behind the best two effects, where they explain the record, as work in another order.
+
+    A right pair with one of the two in common may have been followed from amiss, with its numbers from another pair or
+    together with the other effect, or lack but another form: it may come nearer than what is at the noise already, as
+    that is estimated. Two that were followed together are tried in both orders.
+    """
+    best, *others = best_of(tried, 2)
+    if not explains(best, tried[0]):
+        return []
+    alone, values = alone_of(tried), values_alone(tried)
+    near = [each for each in others if SLIGHTLY < misfit(each) / misfit(best) < NEAR_MISS and not each.has_series]
+    near = [each for each in near if not set(each.effects).isdisjoint(best.effects)]
+    orders = [order for each in near for order in (each.effects[::-1], each.effects)[: 1 + each.is_joint]]
+    work = [
+        Work(alone[first].fit, (first, second), False, values[second])
+        for first, second in orders
+        if is_quick(second) and not effect_of_key(first).breakaway and not is_laid_on_top(alone[first])
+    ]
+    return worthwhile(work[:NEAR_MISSES], tried)
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:

@@ -20,6 +20,7 @@ from diagnosis.proposals import (
     jumps_anew,
     leaders_of,
     left_alone,
+    near_misses,
     nearly_together,
     on_what_explains,
     on_what_stays,
@@ -211,7 +212,8 @@ def with_kindred(
         done |= {frozenset(each.effects) for each in work}
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
     led = leading_pair(known)
-    known = with_better(known, try_all(on_what_stays(known), holdout, pool, progress, "2 effects together"))
+    for proposed in (on_what_stays, near_misses):
+        known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))
     again = worth_beginning_again(known)
     known = with_better(known, change_all(begin_again, again, holdout, pool, progress, "beginning again with"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))

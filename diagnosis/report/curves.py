@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _WIDTHS = {4: 10.2, 2: 5.0}
 """Width of the picture by the number of curves beside each other: on a page, on a phone. [in]"""
 _ROW = 2.5
-_RIGHT, _BETWEEN = 0.05, 0.32
+_RIGHT, _BETWEEN = 0.14, 0.32
 _LEFT, _BELOW, _TALL = 0.72, 0.5, 1.65
 """Margins and height of the axes. [in]"""
 _MOST = 4

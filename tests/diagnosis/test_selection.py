@@ -173,7 +173,15 @@ def test_no_fit_is_searched_about_twice(monkeypatch):
     monkeypatch.setattr(selection, "change_all", lambda change, causes, *_: [change(each, None) for each in causes])
     done = replace(candidate(5.0, "coil_lag", "static_friction"), is_sharpened=True)
     pair = candidate(6.0, "coil_lag", "stribeck")
-    for rule in ("exchanged", "on_what_stays", "worth_trying_anew", "jumps_anew", "other_laws", "in_other_forms"):
+    for rule in (
+        "exchanged",
+        "on_what_stays",
+        "near_misses",
+        "worth_trying_anew",
+        "jumps_anew",
+        "other_laws",
+        "in_other_forms",
+    ):
         monkeypatch.setattr(selection, rule, lambda *_: [])
     known = selection.with_kindred([candidate(40.0), done, pair], None, None, lambda what, share: None)
     assert asked == [pair]
@@ -350,21 +358,39 @@ def test_what_an_effect_may_stand_in_for_is_tried_on_top_of_what_stays():
     assert [each.effects for each in at_noise] == expected[:1]
 
 
-@pytest.mark.parametrize(("left", "is_joint", "is_tried"), [(3.1, True, True), (3.1, False, False), (9.0, True, False)])
-def test_two_effects_that_were_followed_together_are_tried_on_top_of_what_they_share_with_the_best(
-    left, is_joint, is_tried
+BEHIND_BEST = ("spring_hardening", "air_leak")
+
+
+@pytest.mark.parametrize(
+    ("left", "is_joint", "expected"),
+    [
+        (3.1, False, [BEHIND_BEST[::-1]]),
+        (3.1, True, [BEHIND_BEST[::-1], BEHIND_BEST]),
+        (1.01, True, []),
+        (9.0, True, []),
+    ],
+)
+def test_what_lies_not_far_behind_the_best_two_is_tried_in_the_orders_that_it_was_not_tried_in(
+    left, is_joint, expected
 ):
-    """A rival that lacked another form alone came nearer than what was at the noise."""
-    spot = "position_dependent_friction"
-    alone = [
-        candidate(30.0, spot),
-        candidate(170.0, "spring_hardening"),
-        candidate(175.0, "pressure_dependent_friction"),
-    ]
-    best, behind = candidate(1.0, spot, "spring_hardening"), candidate(left, spot, "pressure_dependent_friction")
-    work = proposals.on_what_stays([candidate(240.0), *alone, best, replace(behind, is_joint=is_joint)])
-    assert [each.effects for each in work] == [(spot, "pressure_dependent_friction")] * is_tried
-    assert all(each.fit is alone[0].fit for each in work)
+    """One that was followed from amiss, or lacked but another form, came nearer than what was at the noise."""
+    alone = [candidate(30.0, "area_variation"), candidate(170.0, "spring_hardening"), candidate(175.0, "air_leak")]
+    best, behind = candidate(1.0, "spring_hardening", "area_variation"), candidate(left, *BEHIND_BEST)
+    tried = [candidate(240.0), *alone, best, replace(behind, is_joint=is_joint)]
+    work = proposals.near_misses(tried)
+    assert [each.effects for each in work] == expected
+    assert [each.fit.name for each in work] == [first for first, _ in expected]
+    assert not any(each.is_known for each in work), "searched for from all starts"
+    unexplained = [candidate(3.0, *best.effects), candidate(3.3, *BEHIND_BEST)]
+    assert proposals.near_misses([*tried[:-2], *unexplained]) == []
+
+
+@pytest.mark.parametrize("others", [("coil_lag", "gap_drift"), ("position_dependent_friction", "spring_hardening")])
+def test_what_shares_no_effect_with_the_best_or_takes_a_global_search_is_no_near_miss(others):
+    keys = ("area_variation", "spring_hardening", "coil_lag", "gap_drift", "position_dependent_friction")
+    alone = [candidate(170.0, key) for key in keys]
+    best, behind = candidate(1.0, "spring_hardening", "area_variation"), candidate(2.0, *others)
+    assert proposals.near_misses([candidate(240.0), *alone, best, behind]) == []
 
 
 @pytest.mark.parametrize(
