@@ -66,12 +66,11 @@ def quantities_of(line: Line) -> dict[str, tuple[str, np.ndarray]]:
     """
     breakaways = line.breakaways
     pairs = zip(breakaways.problem.experiments, breakaways.rests, strict=True)
-    times = [each.record_time[[rest.first, rest.last]] for each, rests in pairs for rest in rests]
+    ends = [(rest.first > 0, each.record_time[[rest.first, rest.last]]) for each, rests in pairs for rest in rests]
+    is_whole, times = zip(*ends, strict=True)
     began, ended = np.array(times).T
-    # How long it had rested where a record begins is not known.
-    rested = np.where(began > 0.0, ended - began, np.nan)
     return {
-        AT_REST: ("s", rested),
+        AT_REST: ("s", np.where(is_whole, ended - began, np.nan)),
         "position": ("m", breakaways.position),
         "pressure": ("Pa", breakaways.pressures(line.point[None, :])[:, 0].mean(axis=0)),
         "time": ("s", ended),

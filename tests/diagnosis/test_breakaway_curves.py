@@ -47,6 +47,19 @@ def test_friction_that_grows_while_the_stem_rests_is_told_over_the_time_at_rest(
     assert told.mean[-3:].mean() > told.mean[:3].mean(), "more force after a longer rest"
 
 
+def test_how_long_a_stem_had_rested_where_a_record_begins_is_not_known(given):
+    plant = aged(3, 2.0)
+    taken = measure(plant, plant.seed, with_pressure=True)
+    taken["time"] = taken["time"] + 100.0
+    experiment = experiment_of(Record.from_arrays(name="later", **taken))
+    (told,) = (
+        curve for curve in curves_of_breakaways(fit_base(given, [experiment])) if curve.against == "time at rest"
+    )
+    early = curves_for(plant, given, with_pressure=True)["time at rest"]
+    assert len(told.at) == len(early.at)
+    assert told.at == pytest.approx(early.at)
+
+
 @pytest.mark.parametrize("seed", [11, 13])
 def test_friction_that_drifts_is_told_over_the_time_in_the_record(given, seed):
     curves = curves_for(draw_plant(seed, ("friction_drift",), visibility=VISIBILITY), given)
