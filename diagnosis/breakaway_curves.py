@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from diagnosis.curve import AT_REST, PLAIN, Curve
+from diagnosis.curve import AT_REST, BREAKAWAY, PLAIN, Curve
 from identification.bent_lines import straight_line
 from identification.breakaway import Line, slopes_of
 from identification.fit import Fit
@@ -46,7 +46,7 @@ def curves_of_breakaways(base: Fit) -> Iterator[Curve]:
         force = off - bends @ weights[: bends.shape[1]]
         share = max(1.0 - foretold(columns, off) / alone, 0.0)
         at, error = values[is_known][order], np.abs(newton)[is_known][order]
-        yield Curve("breakaway force", "N", "stem", name, unit, at, force[order], error, share, has_single=True)
+        yield Curve(BREAKAWAY, "N", "stem", name, unit, at, force[order], error, share, has_single=True)
 
 
 def curves_of_ageing(base: Fit) -> list[Curve]:
@@ -66,14 +66,13 @@ def quantities_of(line: Line) -> dict[str, tuple[str, np.ndarray]]:
     """
     breakaways = line.breakaways
     pairs = zip(breakaways.problem.experiments, breakaways.rests, strict=True)
-    ends = [(rest.first > 0, each.record_time[[rest.first, rest.last]]) for each, rests in pairs for rest in rests]
-    is_whole, times = zip(*ends, strict=True)
-    began, ended = np.array(times).T
+    spans = [(each, rest.first, rest.last) for each, rests in pairs for rest in rests]
+    rested = [each.time[last] - each.time[first] if first > 0 else np.nan for each, first, last in spans]
     return {
-        AT_REST: ("s", np.where(is_whole, ended - began, np.nan)),
+        AT_REST: ("s", np.array(rested)),
         "position": ("m", breakaways.position),
         "pressure": ("Pa", breakaways.pressures(line.point[None, :])[:, 0].mean(axis=0)),
-        "time": ("s", ended),
+        "time": ("s", np.array([each.start + each.time[last] for each, _, last in spans])),
     }
 
 

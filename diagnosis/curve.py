@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+BREAKAWAY = "breakaway force"
+"""The signal of what it takes to set the stem going, beyond one force for all."""
+
 AT_REST = "time at rest"
 """How long a stem had rested before it broke away."""
 

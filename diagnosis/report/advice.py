@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from diagnosis.curve import AT_REST, PLAIN
+from diagnosis.curve import AT_REST, BREAKAWAY, PLAIN
 from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_vague, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
@@ -189,7 +189,7 @@ def depends_of(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
 
 def breaking_away(diagnosis: Mapping[str, Any]) -> str:
     """Say what the force of breaking away depends on, if that is plain and the gap has a cause or is the stem's."""
-    curves = [curve for curve in diagnosis.get("residual_curves") or () if curve["signal"] == "breakaway force"]
+    curves = [curve for curve in diagnosis.get("residual_curves") or () if curve["signal"] == BREAKAWAY]
     is_elsewhere = diagnosis["verdict"] == "unknown" and (diagnosis.get("where") or {}).get("stage") != "stem"
     if not curves or curves[0]["share"] < PLAIN or is_elsewhere:
         return ""

@@ -8,7 +8,7 @@ import pytest
 
 from diagnosis.blindtest.plants import Plant, draw_plant, measure
 from diagnosis.breakaway_curves import curves_of_ageing, curves_of_breakaways
-from diagnosis.curve import Curve
+from diagnosis.curve import AT_REST, Curve
 from diagnosis.report.advice import breaking_away, next_step_of
 from diagnosis.report.curves import curves_picture
 from diagnosis.report.pictures import residual_pictures
@@ -28,8 +28,9 @@ def aged(seed: int, bond_time: float) -> Plant:
     return replace(plant, effects=(truth.scaled("bond_time", bond_time),))
 
 
-def base_for(plant: Plant, given, *, with_pressure: bool = False) -> Fit:
+def base_for(plant: Plant, given, *, with_pressure: bool = False, begins: float = 0.0) -> Fit:
     taken = measure(plant, plant.seed, with_pressure=with_pressure)
+    taken["time"] = begins + taken["time"]
     return fit_base(given, [experiment_of(Record.from_arrays(name="plant", **taken))])
 
 
@@ -48,14 +49,8 @@ def test_friction_that_grows_while_the_stem_rests_is_told_over_the_time_at_rest(
 
 
 def test_how_long_a_stem_had_rested_where_a_record_begins_is_not_known(given):
-    plant = aged(3, 2.0)
-    taken = measure(plant, plant.seed, with_pressure=True)
-    taken["time"] = taken["time"] + 100.0
-    experiment = experiment_of(Record.from_arrays(name="later", **taken))
-    (told,) = (
-        curve for curve in curves_of_breakaways(fit_base(given, [experiment])) if curve.against == "time at rest"
-    )
-    early = curves_for(plant, given, with_pressure=True)["time at rest"]
+    bases = (base_for(aged(3, 2.0), given, with_pressure=True, begins=begins) for begins in (0.0, 100.0))
+    early, told = (next(each for each in curves_of_breakaways(base) if each.against == AT_REST) for base in bases)
     assert len(told.at) == len(early.at)
     assert told.at == pytest.approx(early.at)
 
