@@ -69,7 +69,7 @@ def try_jointly(
         found = list((pool.map if pool else map)(partial(looked, points=points), starts))
         starts = nearest([(problem, each) for (problem, _), each in zip(starts, found, strict=True)], count, of_a_form)
     ended = list((pool.map if pool else map)(partial(followed_to_end, holdout=holdout), starts))
-    return [replace(each, effects=in_order(each.effects, alone), is_joint=True) for each in ended]
+    return [replace(each, effects=in_order(each.effects, alone)) for each in ended]
 
 
 def nearest(found: Sequence[tuple[Problem, Found]], count: int, of_a_form: int) -> list[Start]:

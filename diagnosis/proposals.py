@@ -21,6 +21,7 @@ from diagnosis.standing import (
     is_read_off,
     is_settled,
     is_worth_its_time,
+    orders_of,
     unlike,
     values_alone,
 )
@@ -186,7 +187,7 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     """Return the best causes of two effects as work in the other order, where that begins with a fit at hand."""
     alone = alone_of(tried)
     pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
-    known = {each.effects for each in tried}
+    known = orders_of(tried)
     return [
         Work(alone[second].fit, (second, first), False, single[first])
         for first, second in pairs
@@ -241,7 +242,7 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
 
     A right pair with one of the two in common may have been followed from amiss, with its numbers from another pair or
     together with the other effect, or lack but another form: it may come nearer than what is at the noise already, as
-    that is estimated. Two that were followed together are tried in both orders.
+    that is estimated.
     """
     best, *others = best_of(tried, 2)
     if not explains(best, tried[0]):
@@ -249,7 +250,8 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
     alone, values = alone_of(tried), values_alone(tried)
     near = [each for each in others if SLIGHTLY < misfit(each) / misfit(best) < NEAR_MISS and not each.has_series]
     near = [each for each in near if not set(each.effects).isdisjoint(best.effects)]
-    orders = [order for each in near for order in (each.effects[::-1], each.effects)[: 1 + each.is_joint]]
+    known = orders_of(tried)
+    orders = [order for each in near for order in (each.effects[::-1], each.effects) if order not in known]
     work = [
         Work(alone[first].fit, (first, second), False, values[second])
         for first, second in orders

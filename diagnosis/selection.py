@@ -194,7 +194,7 @@ def on_top_of_the_best(
         return known
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]
-    rest = [each for each in rest if all(each is not leader for leader in leaders)]
+    rest = [each for each in rest if all(each.fit is not leader.fit for leader in leaders)]
     work = still_called_for(extensions(rest, known, single, SHORTLIST_BACK, pool), known)
     known += try_all(work, holdout, pool, progress, what)
     if size == 2:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from diagnosis.explaining import AT_NOISE, explains, misfit
 from diagnosis.trying import Candidate, moved_in
@@ -46,13 +47,17 @@ def values_alone(tried: Sequence[Candidate]) -> dict[str, dict[str, float]]:
 def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list[Candidate]:
     """Return the causes, each as the one of the same effects that comes nearest, in whatever order of adding.
 
-    Of two that are as near it is the later one: more was done to it.
+    Of two that are as near it is the later one: more was done to it. It knows of all orders that were tried.
     """
-    best: dict[frozenset[str], Candidate] = {}
+    alike: dict[frozenset[str], list[Candidate]] = {}
     for each in (*tried, *others):
-        effects = frozenset(each.effects)
-        best[effects] = min(each, best.get(effects, each), key=misfit)
-    return list(best.values())
+        alike.setdefault(frozenset(each.effects), []).insert(0, each)
+    return [replace(min(causes, key=misfit), orders=orders_of(causes)) for causes in alike.values()]
+
+
+def orders_of(tried: Iterable[Candidate]) -> frozenset[tuple[str, ...]]:
+    """Return the orders in which causes were tried, their last effect on top of the others."""
+    return frozenset().union(*(each.orders for each in tried))
 
 
 def unlike(causes: Sequence[Candidate]) -> list[Candidate]:

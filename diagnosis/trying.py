@@ -54,8 +54,8 @@ class Candidate:
         Whether one of the effects is a whole series of waves, which has no other form than ours.
     is_sharpened : bool
         Whether it was searched about, which takes long and is done once.
-    is_joint : bool
-        Whether its two effects were followed down together, none on top of the other.
+    orders : frozenset of tuple of str
+        The orders in which its last effect was tried on top of the others; none of what was followed down together.
     """
 
     effects: tuple[str, ...]
@@ -65,7 +65,7 @@ class Candidate:
     freedom: int = 0
     has_series: bool = False
     is_sharpened: bool = False
-    is_joint: bool = False
+    orders: frozenset[tuple[str, ...]] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
             follows_all=work.follows_all,
             is_thorough=work.is_thorough,
         )
-    return scored(work.effects, extended, holdout)
+    return replace(scored(work.effects, extended, holdout), orders=frozenset({work.effects}))
 
 
 def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:

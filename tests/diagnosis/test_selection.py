@@ -120,6 +120,19 @@ def test_a_pair_with_a_series_is_tried_in_the_other_order():
     (work,) = proposals.reversed_pairs([candidate(90.0), load, lag, pair], {"coil_lag": {}, "load_force": {}})
     assert work.effects == ("load_force", "coil_lag")
     assert work.fit is load.fit
+    lost = replace(pair, orders=frozenset({pair.effects, pair.effects[::-1]}))
+    assert proposals.reversed_pairs([candidate(90.0), load, lag, lost], {"coil_lag": {}, "load_force": {}}) == []
+
+
+def test_the_nearest_of_the_same_effects_knows_of_the_order_that_lost():
+    pair, other = candidate(4.0, "coil_lag", "air_leak"), candidate(5.0, "air_leak", "coil_lag")
+    tried_in = [replace(each, orders=frozenset({each.effects})) for each in (pair, other)]
+    (best,) = with_better(tried_in[:1], tried_in[1:])
+    assert best.effects == pair.effects
+    assert best.orders == {pair.effects, other.effects}
+    # Of two that are as near it is the later one.
+    (later,) = with_better([pair], [candidate(4.0, "coil_lag", "air_leak")])
+    assert later.fit is not pair.fit
 
 
 @pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])
@@ -362,21 +375,21 @@ BEHIND_BEST = ("spring_hardening", "air_leak")
 
 
 @pytest.mark.parametrize(
-    ("left", "is_joint", "expected"),
+    ("left", "orders", "expected"),
     [
-        (3.1, False, [BEHIND_BEST[::-1]]),
-        (3.1, True, [BEHIND_BEST[::-1], BEHIND_BEST]),
-        (1.01, True, []),
-        (9.0, True, []),
+        (3.1, {BEHIND_BEST}, [BEHIND_BEST[::-1]]),
+        (3.1, {BEHIND_BEST[::-1]}, [BEHIND_BEST]),
+        (3.1, set(), [BEHIND_BEST[::-1], BEHIND_BEST]),
+        (3.1, {BEHIND_BEST, BEHIND_BEST[::-1]}, []),
+        (1.01, set(), []),
+        (9.0, set(), []),
     ],
 )
-def test_what_lies_not_far_behind_the_best_two_is_tried_in_the_orders_that_it_was_not_tried_in(
-    left, is_joint, expected
-):
+def test_what_lies_not_far_behind_the_best_two_is_tried_in_the_orders_that_it_was_not_tried_in(left, orders, expected):
     """One that was followed from amiss, or lacked but another form, came nearer than what was at the noise."""
     alone = [candidate(30.0, "area_variation"), candidate(170.0, "spring_hardening"), candidate(175.0, "air_leak")]
     best, behind = candidate(1.0, "spring_hardening", "area_variation"), candidate(left, *BEHIND_BEST)
-    tried = [candidate(240.0), *alone, best, replace(behind, is_joint=is_joint)]
+    tried = [candidate(240.0), *alone, best, replace(behind, orders=frozenset(orders))]
     work = proposals.near_misses(tried)
     assert [each.effects for each in work] == expected
     assert [each.fit.name for each in work] == [first for first, _ in expected]
@@ -390,6 +403,7 @@ def test_what_shares_no_effect_with_the_best_or_takes_a_global_search_is_no_near
     keys = ("area_variation", "spring_hardening", "coil_lag", "gap_drift", "position_dependent_friction")
     alone = [candidate(170.0, key) for key in keys]
     best, behind = candidate(1.0, "spring_hardening", "area_variation"), candidate(2.0, *others)
+    behind = replace(behind, orders=frozenset({others}))
     assert proposals.near_misses([candidate(240.0), *alone, best, behind]) == []
 
 
@@ -685,9 +699,11 @@ def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkey
 def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, worth, is_followed):
     begun, followed = candidate(1.0, "coil_lag").fit, candidate(0.9, "coil_lag").fit
     monkeypatch.setattr(trying, "continued", lambda fit: followed if fit is begun else None)
-    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: fit)
+    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: Candidate(effects, fit, None))
     work = Work(candidate(40.0).fit, ("coil_lag",), False, begun=begun, worth=worth)
-    assert trying.try_effect(work, None) is (followed if is_followed else begun)
+    found = trying.try_effect(work, None)
+    assert found.fit is (followed if is_followed else begun)
+    assert found.orders == {("coil_lag",)}
 
 
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
