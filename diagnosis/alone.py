@@ -47,6 +47,9 @@ less than 0.066."""
 OUT_OF_PHASE = 100.0
 """Squared error beyond which no pair is out of phase alone. [noise^2]"""
 
+READ_OFF_ON = 2
+"""Best causes of one effect on top of which a coarse reading may explain a record."""
+
 MOST_NEARLY, NEAR_IF_DEAR = 4, 1.5
 """Best causes of one effect that are searched for from every start where they nearly explain the record; squared error
 up to which one is whose runs are dear: from the 48 of asymmetric filling that takes 11 s."""
@@ -57,12 +60,17 @@ def try_first(
 ) -> list[Candidate]:
     """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways.
 
-    Where that leaves no trace beside another, the other alone had ended beside the least error.
+    Where that leaves no trace beside another, the other alone had ended beside the least error. Where the stops are of
+    a coarse reading nothing speaks for jumps.
     """
-    alone = try_alone(base, holdout, library, pool, progress)
+    local, *searched = rounds(library)
+    alone = try_by_promise(base, holdout, local, pool, progress)
+    has_stops = stops_seen(base.fit)
+    are_of_reading = has_stops and reads_in_steps(alone, holdout, pool, progress)
+    alone = try_widely(alone, searched, holdout, pool, progress, has_stops=has_stops and not are_of_reading)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    tried = [*alone, *beside_slips(alone, holdout, pool, progress)]
+    tried = alone if are_of_reading else [*alone, *beside_slips(alone, holdout, pool, progress)]
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 
 
@@ -77,19 +85,36 @@ def in_phase(
     return with_better(tried, sharpen_all(lost, holdout, pool, progress))
 
 
-def try_alone(
-    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+def reads_in_steps(tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress) -> bool:
+    """Return whether one of the nearest causes explains the record with what is read off it on top: a coarse reading.
+
+    A reading that comes nearest itself has all others tried beside it.
+    """
+    base, best = tried[0], best_of(tried, 1)[:READ_OFF_ON]
+    if any(is_read_off(each) for each in best) or any(explains(each, base) for each in best):
+        return False
+    read = {key: values for key, values in values_alone(tried).items() if effect_of_key(key).is_read_off}
+    work = [Work(each.fit, (*each.effects, key), False, values) for each in best for key, values in read.items()]
+    return any(explains(each, base) for each in try_all(work, holdout, pool, progress, "effects one by one"))
+
+
+def try_widely(
+    tried: Sequence[Candidate],
+    searched: Sequence[Sequence[str]],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    *,
+    has_stops: bool,
 ) -> list[Candidate]:
-    """Try every effect alone; those that need a global search come last, and only where no other explains the gap.
+    """Try the effects that need a global search alone, where no other explains the gap; return all that was tried.
 
     A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
 
     One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
     reading comes nearest, all that was tried is tried beside it first, which costs little.
     """
-    local, *searched = rounds(library)
-    tried = try_by_promise(base, holdout, local, pool, progress)
-    has_stops = stops_seen(base.fit)
+    base, tried = tried[0], list(tried)
     for round_of in searched:
         tried += beside_reading(tried, holdout, pool, progress)
         keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]

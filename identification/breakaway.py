@@ -149,14 +149,21 @@ class Breakaways:
 
     def enclosed(self, points: np.ndarray) -> np.ndarray:
         """Return by how much each position lies outside what encloses it, shape (p, breakaways). [spread]"""
-        ends = self.positions(points)
+        return self.outside(self.positions(points))
+
+    def centred(self, points: np.ndarray) -> np.ndarray:
+        """Return by how much each position lies off the middle of what encloses it, shape (p, breakaways). [spread]"""
+        return self.off_the_middle(self.positions(points))
+
+    def outside(self, ends: np.ndarray) -> np.ndarray:
+        """Return by how much each position lies outside two ends, shape (2, p, breakaways). [spread]"""
         below = np.minimum(self.position - ends.min(axis=0), 0.0)
         above = np.maximum(self.position - ends.max(axis=0), 0.0)
         return (below + above) / self.spread
 
-    def centred(self, points: np.ndarray) -> np.ndarray:
-        """Return by how much each position lies off the middle of what encloses it, shape (p, breakaways). [spread]"""
-        return (self.position - self.positions(points).mean(axis=0)) / self.spread
+    def off_the_middle(self, ends: np.ndarray) -> np.ndarray:
+        """Return by how much each position lies off the middle of two ends, shape (2, p, breakaways). [spread]"""
+        return (self.position - ends.mean(axis=0)) / self.spread
 
     def is_ramped(self, point: np.ndarray) -> np.ndarray:
         """Return of which breakaways the force is known well, the pressure changing little within a period."""
@@ -248,7 +255,9 @@ def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
         return breakaways.centred(points)[:, is_ramped]
 
     def all_of(points: np.ndarray) -> np.ndarray:
-        return np.concatenate([breakaways.enclosed(points), TO_THE_MIDDLE * middles(points)], axis=1)
+        ends = breakaways.positions(points)
+        middle = breakaways.off_the_middle(ends)[:, is_ramped]
+        return np.concatenate([breakaways.outside(ends), TO_THE_MIDDLE * middle], axis=1)
 
     begun = _laid(middles, breakaways.problem, point, columns)[0] if is_ramped.any() else point
     found, error = _laid(all_of, breakaways.problem, begun, columns)

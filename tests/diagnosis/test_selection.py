@@ -62,8 +62,10 @@ def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
 def test_what_comes_nearer_beside_slips_that_leave_no_trace_is_tried_alone_from_there(monkeypatch):
     alone = [candidate(90.0), candidate(9.0, "linkage_nonlinearity"), candidate(50.0, "static_friction")]
     idle = replace(candidate(0.93, "linkage_nonlinearity", "static_friction"), trace=0.0)
-    for name, made in (("try_alone", alone), ("beside_slips", [idle]), ("nearly", []), ("blunt", [])):
-        monkeypatch.setattr(singles, name, lambda *_, made=made: made)
+    monkeypatch.setattr(singles, "stops_seen", lambda fit: False)
+    for name, made in (("try_by_promise", alone), ("try_widely", alone), ("beside_slips", [idle]), ("nearly", [])):
+        monkeypatch.setattr(singles, name, lambda *_, made=made, **__: made)
+    monkeypatch.setattr(singles, "blunt", lambda *_: [])
     tried_alone = []
 
     def try_all(work, *_):
@@ -636,12 +638,41 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
     library = [effect_of_key(key) for key in keys]
-    singles.try_alone(base, None, library, None, lambda what, share: None)
+    monkeypatch.setattr(singles, "reads_in_steps", lambda *_: False)
+    for name in ("nearly", "blunt", "beside_slips", "left_alone"):
+        monkeypatch.setattr(singles, name, lambda *_: [])
+    singles.try_first(base, None, library, None, lambda what, share: None)
     assert [key for round_of in asked for key in round_of] == ["coil_lag", "presliding", "static_friction", "stribeck"]
     asked.clear()
     others = [effect_of_key(key) for key in keys if key != "static_friction"]
-    singles.try_alone(base, None, others, None, lambda what, share: None)
+    singles.try_first(base, None, others, None, lambda what, share: None)
     assert ["stribeck"] in asked
+
+
+@pytest.mark.parametrize(
+    ("nearest", "with_reading", "is_read"),
+    [("supply_droop", 1.0, True), ("supply_droop", 8.0, False), ("quantisation", 1.0, False)],
+)
+def test_stops_that_a_coarse_reading_on_top_of_the_nearest_explains_speak_for_no_jumps(
+    monkeypatch, nearest, with_reading, is_read
+):
+    alone = [candidate(40.0), candidate(9.0, nearest), candidate(30.0, "coil_lag")]
+    alone += [candidate(50.0, "quantisation")] if nearest != "quantisation" else []
+    looked_at = []
+
+    def try_all(work, *_):
+        assert all(each.known == {"size": 50.0} for each in work), "as read off alone"
+        return [candidate(with_reading if "supply_droop" in each.effects else 28.0, *each.effects) for each in work]
+
+    monkeypatch.setattr(singles, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(singles, "try_all", try_all)
+    monkeypatch.setattr(singles, "try_by_promise", lambda *_: alone)
+    monkeypatch.setattr(singles, "try_widely", lambda tried, *_, has_stops: looked_at.append(has_stops) or alone)
+    monkeypatch.setattr(singles, "beside_slips", lambda *_: looked_at.append("slips") or [])
+    for name in ("nearly", "blunt", "left_alone"):
+        monkeypatch.setattr(singles, name, lambda *_: [])
+    singles.try_first(alone[0], None, [], None, None)
+    assert looked_at == ([False] if is_read else [True, "slips"])
 
 
 @pytest.mark.parametrize("pool", [None, ThreadPoolExecutor(2)])
