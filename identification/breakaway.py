@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from identification.experiment import simulate_rows
+from identification.hints import is_read_coarsely
 from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
@@ -191,10 +192,14 @@ class Breakaways:
 
 
 def breakaways_of(problem: Problem) -> Breakaways:
-    """Return the breakaways in the samples of a problem that count."""
+    """Return the breakaways in the samples of a problem that count; none of a coarse reading, whose rests are its own.
+
+    Where the stem is when it breaks away is not told by such a rest, nor when it does.
+    """
     rests = []
     for experiment, used in zip(problem.experiments, problem.used, strict=True):
-        rests.append(list(rests_of(np.where(used, experiment.position, np.nan), experiment.noise)))
+        position = np.full(len(used), np.nan) if is_read_coarsely(experiment) else experiment.position
+        rests.append(list(rests_of(np.where(used, position, np.nan), experiment.noise)))
     return Breakaways(problem, rests)
 
 

@@ -18,6 +18,10 @@ BIN = 0.125
 MOST_BINS = 200_000
 """Over the span of the readings: those of another simulation have no noise."""
 
+COARSE, ON_THE_GRID = 8.0, 0.98
+"""Step of a grid, over the noise, from which it is coarse; share of the readings that lie within three times the noise
+of it if it is that of the reading: at that step three quarters of any readings do."""
+
 PLACES = 9
 """Places along the travel at which a local effect is looked for."""
 
@@ -136,6 +140,16 @@ def nearby(periods: list[float], duration: float) -> list[float]:
     lowest = np.arange(HALF_WAVE, LOWEST_WAVES, HALF_WAVE)
     every = np.unique(np.round(np.concatenate([lowest, *counts]) / QUARTER_WAVE))
     return [float(duration / (QUARTER_WAVE * count)) for count in every if count * QUARTER_WAVE >= HALF_WAVE]
+
+
+def is_read_coarsely(experiment: Experiment) -> bool:
+    """Return whether readings lie on a coarse grid, so that a rest of the reading says little of where the stem is."""
+    step, offset = coarsest_grid(experiment)
+    if step <= COARSE * experiment.noise:
+        return False
+    places = (experiment.position[np.isfinite(experiment.position)] - offset) / step
+    off = np.abs(places - np.round(places)) * step
+    return bool(np.mean(off < 3.0 * experiment.noise) >= ON_THE_GRID)
 
 
 def coarsest_grid(experiment: Experiment) -> tuple[float, float]:

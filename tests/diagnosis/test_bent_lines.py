@@ -16,14 +16,17 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from identification.bent_lines import bent_afresh, bent_line, on_the_line, straight_line
+from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
 from identification.fit import Fit, fit_base
+from identification.hints import is_read_coarsely
 from identification.holdout import hold_out
+from identification.rests import rests_of
 from identification.search import errors
 from identification.sharpening import sharpened
+from identification.stick_slip import line_of_stairs
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
@@ -42,6 +45,22 @@ def plant_and_base(given, seed: int, *keys: str, reach: float = REACH):
 def drifting(given):
     """A plant whose gap drifts beside friction that falls with speed."""
     return plant_and_base(given, 9204, "gap_drift", "stribeck")
+
+
+@pytest.mark.parametrize("seed", [9403, 9404])
+def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(given, seed):
+    """They say little of where the stem is, and it may move all the time."""
+    _, _, base = plant_and_base(given, seed, "quantisation")
+    (experiment,) = base.problem.experiments
+    assert len(list(rests_of(experiment.position, experiment.noise))) > LEAST_BREAKAWAYS
+    assert is_read_coarsely(experiment)
+    assert straight_line(base) is None
+    assert line_of_stairs(base.problem, base.found.point) is None
+
+
+def test_a_stem_that_rests_here_and_there_is_not_read_coarsely(drifting):
+    _, _, base = drifting
+    assert not any(map(is_read_coarsely, base.problem.experiments))
 
 
 def test_the_way_to_a_breakaway_ends_where_friction_just_holds(given):

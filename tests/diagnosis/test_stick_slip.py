@@ -133,7 +133,7 @@ def test_a_law_is_searched_for_from_the_slips_though_another_one_explains_them(g
         assert kin.model.values[name] != pytest.approx(plant.base[name], rel=0.4)
 
 
-def test_slips_of_a_coarse_reading_are_explained_in_vain(given):
+def test_steps_of_a_coarse_reading_are_no_slips(given):
     _, _, base = plant_and_base(given, 9130, "quantisation")
-    assert line_of_stairs(base.problem, base.found.point) is not None
+    assert line_of_stairs(base.problem, base.found.point) is None
     assert slips_by(base, effect_of_key("static_friction")) == []
