@@ -66,7 +66,7 @@ def try_first(
     local, *searched = rounds(library)
     alone = try_by_promise(base, holdout, local, pool, progress)
     has_stops = stops_seen(base.fit)
-    are_of_reading = has_stops and reads_in_steps(alone, holdout, pool, progress)
+    are_of_reading = has_stops and is_explained_with_reading(alone, holdout, pool, progress)
     alone = try_widely(alone, searched, holdout, pool, progress, has_stops=has_stops and not are_of_reading)
     alone = with_better(alone, sharpen_all(blunt(best_of(alone, 1), base), holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
@@ -85,7 +85,9 @@ def in_phase(
     return with_better(tried, sharpen_all(lost, holdout, pool, progress))
 
 
-def reads_in_steps(tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress) -> bool:
+def is_explained_with_reading(
+    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> bool:
     """Return whether one of the nearest causes explains the record with what is read off it on top: a coarse reading.
 
     A reading that comes nearest itself has all others tried beside it.
@@ -95,7 +97,8 @@ def reads_in_steps(tried: Sequence[Candidate], holdout: Holdout, pool: Executor 
         return False
     read = {key: values for key, values in values_alone(tried).items() if effect_of_key(key).is_read_off}
     work = [Work(each.fit, (*each.effects, key), False, values) for each in best for key, values in read.items()]
-    return any(explains(each, base) for each in try_all(work, holdout, pool, progress, "effects one by one"))
+    ends = partial(explains, base=base)
+    return any(map(ends, try_all(work, holdout, pool, progress, "effects one by one", ends)))
 
 
 def try_widely(

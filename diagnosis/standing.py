@@ -51,8 +51,8 @@ def with_better(tried: Sequence[Candidate], others: Sequence[Candidate]) -> list
     """
     alike: dict[frozenset[str], list[Candidate]] = {}
     for each in (*tried, *others):
-        alike.setdefault(frozenset(each.effects), []).insert(0, each)
-    return [replace(min(causes, key=misfit), orders=orders_of(causes)) for causes in alike.values()]
+        alike.setdefault(frozenset(each.effects), []).append(each)
+    return [replace(min(reversed(causes), key=misfit), orders=orders_of(causes)) for causes in alike.values()]
 
 
 def orders_of(tried: Iterable[Candidate]) -> frozenset[tuple[str, ...]]:

@@ -198,8 +198,8 @@ def breakaways_of(problem: Problem) -> Breakaways:
     """
     rests = []
     for experiment, used in zip(problem.experiments, problem.used, strict=True):
-        position = np.full(len(used), np.nan) if is_read_coarsely(experiment) else experiment.position
-        rests.append(list(rests_of(np.where(used, position, np.nan), experiment.noise)))
+        readings = np.where(used, experiment.position, np.nan)
+        rests.append([] if is_read_coarsely(experiment) else list(rests_of(readings, experiment.noise)))
     return Breakaways(problem, rests)
 
 

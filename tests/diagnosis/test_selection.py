@@ -638,7 +638,7 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
     library = [effect_of_key(key) for key in keys]
-    monkeypatch.setattr(singles, "reads_in_steps", lambda *_: False)
+    monkeypatch.setattr(singles, "is_explained_with_reading", lambda *_: False)
     for name in ("nearly", "blunt", "beside_slips", "left_alone"):
         monkeypatch.setattr(singles, name, lambda *_: [])
     singles.try_first(base, None, library, None, lambda what, share: None)
