@@ -14,9 +14,10 @@ from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
 from identification.rests import Rest, rests_of
 from identification.search import Slopes, roam_over
-from identification.unknowns import GAP, OF_GAP
+from identification.unknowns import GAP
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
+from valvemodel.parameters import ACT_ON_PRESSURE, BEHIND_PRESSURE
 
 RAMPED = 0.02
 """Change of the pressure within a period, over its range, below which the force at breakaway is known."""
@@ -60,9 +61,6 @@ WIDEST_SLACK = 1.0
 
 HELD_FAST = 1e9
 """Coulomb friction of a stem that never moves. [N]"""
-
-BEHIND_PRESSURE = ("stem", "sensor")
-"""Stages that do not act on the pressure."""
 
 
 @dataclass(frozen=True)
@@ -133,10 +131,8 @@ class Breakaways:
 
     @cached_property
     def acting(self) -> list[int]:
-        """Numbers of the unknowns that act on the pressure: of the base valve's the gap's, and of effects before it."""
-        effects = [effect_of_key(key) for key in self.problem.model.effects]
-        names = {each.name for effect in effects if effect.stage not in BEHIND_PRESSURE for each in effect.fitted}
-        return [n for n, unknown in enumerate(self.problem.unknowns) if unknown.name in {*OF_GAP, *names}]
+        """Numbers of the unknowns that act on the pressure."""
+        return [n for n, unknown in enumerate(self.problem.unknowns) if unknown.name in ACT_ON_PRESSURE]
 
     def positions(self, points: np.ndarray) -> np.ndarray:
         """Return the positions that the two pressures would just break away from, shape (2, p, breakaways). [m]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import cast
 
 import numpy as np
 
 from identification.cores import in_parts
 from identification.noise import flicker_level, noise_level
 from valvemodel import chain, loops, runs
-from valvemodel.parameters import MEMORY, STATE
+from valvemodel.parameters import MEMORY, STATE, by_pressure
 from valvemodel.periods import finer, passing
 from valvemodel.records import Record
 
@@ -49,6 +51,8 @@ BESIDE_STEPS = 2.0
 
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
+
+_own = threading.local()
 
 
 @dataclass(frozen=True, eq=False)
@@ -316,22 +320,31 @@ def simulate_rows(
     anchors = experiment.spread(anchors)
     shape = (len(rows), len(time))
     smooth = np.empty(shape)
-    pressure, mode = (np.empty(shape), np.empty(shape)) if with_pressure else (runs.NONE, runs.NONE)
+    noted = shape if with_pressure else (len(rows), 0)
+    pressure, mode = np.empty(noted), np.empty(noted)
     step, offset = _without_steps(experiment, rows)
+    order, follows = by_pressure(rows)
+    states, firsts = np.zeros(len(rows), STATE), np.append(np.flatnonzero(~follows), len(rows))
 
-    def run(part: slice) -> None:
-        some = rows[part]
-        noted = (pressure[part], mode[part]) if with_pressure else (runs.NONE, runs.NONE)
-        runs.run_chain(
-            some, np.zeros(len(some), STATE), np.zeros(1, MEMORY), time, drive, anchors, chain.CURRENT, tolerance,
-            smooth[part], *noted,
+    def run(groups: slice) -> None:
+        turns = slice(firsts[groups.start], firsts[groups.stop])
+        runs.run_in_order(
+            rows, states, own_memory(), time, drive, anchors, chain.CURRENT, tolerance,
+            smooth, pressure, mode, order[turns], follows[turns],
         )  # fmt: skip
 
-    in_parts(run, len(rows))
+    in_parts(run, len(firsts) - 1)
     if experiment.parts > 1:
         smooth, pressure, mode = (each[:, :: experiment.parts] for each in (smooth, pressure, mode))
     position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
     return Simulated(position, pressure, mode, step, smooth)
+
+
+def own_memory() -> np.ndarray:
+    """Return what this thread's runs remember, shape (1,), dtype MEMORY; each run overwrites it."""
+    if not hasattr(_own, "memory"):
+        _own.memory = np.zeros(1, MEMORY)
+    return cast(np.ndarray, _own.memory)
 
 
 def are_loops(experiments: Sequence[Experiment]) -> bool:
@@ -392,7 +405,7 @@ def score_rows(
 
     def score(part: slice) -> None:
         runs.score_rows(
-            rows[part], np.zeros(1, STATE), np.zeros(1, MEMORY), time, drive, measured, within * step,
+            rows[part], np.zeros(1, STATE), own_memory(), time, drive, measured, within * step,
             experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
             np.empty(len(measured)), most[part], sums[part],
         )  # fmt: skip

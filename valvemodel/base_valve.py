@@ -69,6 +69,16 @@ BASE_PARAMETERS = (
 )
 """In the order in which they are shown. Stem, nozzle and electromagnet share them."""
 
+ON_PRESSURE = (
+    "supply_pressure",
+    "flow_ratio",
+    "gap_offset",
+    "gap_gain",
+    "pressure_at_zero_current",
+    "pressure_per_current",
+)
+"""Those that act on the pressure; all others act behind it."""
+
 BY_PRESSURE = ("supply_pressure",)
 """Those that only a measured pressure tells, and that are fitted where there is one."""
 

@@ -8,12 +8,13 @@ from valvemodel.compiled import apart, compiled, inlined
 from valvemodel.parameters import MEMORY, MOST_NOTED, PARAMETERS, STATE
 from valvemodel.stages.bow import unbow
 from valvemodel.stages.electromagnet import advance_flux, gap_of_current, has_coil_lag, rest_electromagnet
+from valvemodel.stages.kept_parts import next_part
 from valvemodel.stages.lag import forget_lags
 from valvemodel.stages.line import ROUNDING, enter_line, leave_line, next_arrival, rest_line
 from valvemodel.stages.linkage import drag_linkage, shift_linkage
 from valvemodel.stages.motion import advance_held, advance_stem, glides, glides_through_part, plan_stem
 from valvemodel.stages.nozzle import advance_nozzle, has_leak, is_amplified, rest_nozzle
-from valvemodel.stages.part import hold_pressure, is_coarse, is_of_a_search, lay_part, rest_parts
+from valvemodel.stages.part import hold_pressure, is_coarse, is_of_a_search, rest_parts
 from valvemodel.stages.rest import come_to_rest
 from valvemodel.stages.sensor import follow_stem, rest_sensor, sensor_drift
 from valvemodel.stages.slip import STOP_SPEED
@@ -213,7 +214,7 @@ def hold_in_parts(p, state, memory, drive, time, duration, tolerance):
         if state.rest_drive == drive:
             move_stem(p, state, memory, state.pressure, now, left, tolerance)
             return
-        length = lay_part(p, state, memory, drive, now, left, tolerance)
+        length = next_part(p, state, memory, drive, now, left, tolerance)
         if glides_through_part(p, state, memory):
             drag_linkage(p, state)
         else:

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.base_valve import BASE_PARAMETERS, ON_PRESSURE
 from valvemodel.stages import EFFECTS
+from valvemodel.stages.kept_parts import KEPT, MOST_KEPT
 from valvemodel.stages.lag import LAGS
 from valvemodel.stages.line import CAPACITY
 from valvemodel.stages.nodes import NODES, ORDER, REMEMBERED
@@ -43,6 +44,14 @@ PARAMETERS = np.dtype(
     + [(name, "f8") for name in ("start_position", "anchor_tolerance", "anchors_at_rest", _fingerprint())]
 )
 """Type of the record of numbers that the compiled chain reads."""
+
+BEHIND_PRESSURE = ("stem", "sensor")
+"""Stages that do not act on the pressure."""
+
+ACT_ON_PRESSURE = ON_PRESSURE + tuple(
+    parameter.name for effect in EFFECTS if effect.stage not in BEHIND_PRESSURE for parameter in effect.parameters
+)
+"""Names of the numbers that act on the pressure; all others act behind it."""
 
 STATE = np.dtype(
     [
@@ -110,6 +119,7 @@ MEMORY = np.dtype(
         ("lag_turns", "f8", (LAGS,)),
         ("responses", RESPONSE, (REMEMBERED,)),
         ("glides", GLIDE, (REMEMBERED,)),
+        ("kept", KEPT, (MOST_KEPT,)),
     ]
     + [
         (name, "f8")
@@ -120,6 +130,7 @@ MEMORY = np.dtype(
             "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
             "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",
             "response_place", "response_turn", "glide_turn",
+            "keeps_parts", "takes_parts", "parts_kept", "parts_taken", "kept_plan",
         )
     ]
     + [
@@ -136,7 +147,7 @@ MEMORY = np.dtype(
     ]
 )  # fmt: skip
 """Type of what a run remembers beside its state: the drives under way in the line, the events of the period, what is
-known of the responses at the nodes of the last part and step."""
+known of the responses at the nodes of the last part and step, the parts of a run that serve others."""
 
 
 def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
@@ -162,3 +173,30 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
     rows["anchor_tolerance"] = values.get("anchor_tolerance", 0.0)
     rows["anchors_at_rest"] = values.get("anchors_at_rest", 0.0)
     return rows
+
+
+_COLUMNS = np.array([list(PARAMETERS.fields or ()).index(name) for name in ACT_ON_PRESSURE])
+
+
+def by_pressure(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Order rows of numbers so that those with the same pressures come after each other.
+
+    Parameters
+    ----------
+    rows : array, shape (n,), dtype PARAMETERS
+
+    Returns
+    -------
+    order : array of int, shape (n,)
+        Places of the rows.
+    follows : array of bool, shape (n,)
+        Whether a row, in that order, differs from the one before it behind the pressure alone.
+    """
+    if len(rows) == 1:
+        return np.zeros(1, int), np.zeros(1, bool)
+    numbers = np.ascontiguousarray(rows).view("f8").reshape(len(rows), -1)[:, _COLUMNS]
+    differing = numbers[:, (numbers != numbers[0]).any(axis=0)]
+    order = np.lexsort(differing.T) if differing.size else np.arange(len(rows))
+    follows = np.zeros(len(rows), bool)
+    follows[1:] = (differing[order[1:]] == differing[order[:-1]]).all(axis=1)
+    return order, follows

@@ -24,6 +24,7 @@ from valvemodel.compiled import compiled, inlined
 from valvemodel.parameters import MOST_NOTED
 from valvemodel.stages.drifts import has_drifts, hold_drifts, longest_period, may_hold_drifts, take_out_drifts
 from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_current
+from valvemodel.stages.kept_parts import begin_parts
 from valvemodel.stages.linkage import drag_both, dragged
 from valvemodel.stages.motion import remember_glide
 from valvemodel.stages.nozzle import advance_nozzle, static_pressure
@@ -126,9 +127,10 @@ def read_along(p, state, time, readings):
 
 @compiled
 def run_forward(p, state, memory, time, drive, tolerance, pressures, readings):
-    """Run a chain stage by stage."""
+    """Run a chain stage by stage, under the pressures of the row before if its parts are taken."""
     if state.plan_current == 1.0:
-        hold_pressures(p, state, time, drive, pressures)
+        if memory.takes_parts == 0.0:
+            hold_pressures(p, state, time, drive, pressures)
         glide_along(p, state, memory, time, pressures, tolerance, readings)
     else:
         glide_along(p, state, memory, time, drive, tolerance, readings)
@@ -190,7 +192,7 @@ def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, rea
 
 @compiled
 def run_row(
-    given, state, memory, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, scratch, goal
+    given, state, memory, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, scratch, goal, alike
 ):
     """Run one row of numbers over a drive; return the sum of squared errors of a goal, as `run_by_periods` does.
 
@@ -198,6 +200,8 @@ def run_row(
     ----------
     scratch : array, shape (m,), array, shape (1,), dtype PARAMETERS, and float [s]
         For the pressures and numbers on the way, overwritten; the longest period.
+    alike : tuple of two bool
+        Whether the pressures of the row before are taken, and whether its own are kept for the next.
     """
     held, own, longest = scratch
     p, holds = given, may_hold_drifts(given, longest, tolerance)
@@ -207,7 +211,10 @@ def run_row(
         take_out_drifts(p)
         hold_drifts(p, state, given, time[0])
     start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
-    if anchors.shape[0] > 0 or pressures.shape[0] > 0 or holds or not is_forward(state):
+    goes_forward = not (anchors.shape[0] > 0 or pressures.shape[0] > 0 or holds) and is_forward(state)
+    takes, keeps = alike
+    begin_parts(memory, keeps, takes, state.plan_moving + 2.0 * holds + 4.0 * goes_forward, tolerance)
+    if not goes_forward:
         return run_by_periods(
             p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes, goal
         )
@@ -218,9 +225,19 @@ def run_row(
     return total
 
 
-@compiled
 def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes):
-    """Run each row of numbers over the same drive; row k of the outputs is the state just before the drive of period k.
+    """Run each row of numbers over the same drive, one by one, as `run_in_order` does."""
+    one_by_one = np.arange(len(rows)), np.zeros(len(rows), bool)
+    run_in_order(
+        rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, *one_by_one
+    )
+
+
+@compiled
+def run_in_order(
+    rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, order, follows
+):
+    """Run rows of numbers over the same drive; row k of the outputs is the state just before the drive of period k.
 
     Parameters
     ----------
@@ -240,13 +257,18 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
         What a run may be off in position, but for slips that hang by a hair.
     readings, pressures, modes : arrays, shape (n, m) [m], [Pa], -1 falling 0 stuck 1 rising
         Overwritten; pressures and modes may have shape (n, 0) and are then left out.
+    order : array of int, shape (k,)
+        The rows that are run, as they come.
+    follows : array of bool, shape (k,)
+        Whether a row's pressures are those of the row before it in that order: a coarse run lays them once.
     """
     scratch = np.empty(time.shape[0]), rows[:1].copy(), longest_period(time)
     nothing = np.empty(0), 0.0, math.inf, math.inf
-    for row in range(rows.shape[0]):
+    for turn in range(order.shape[0]):
+        row, is_followed = order[turn], turn + 1 < order.shape[0] and follows[turn + 1]
         run_row(
             rows[row], states[row], memories[0], time, drive, anchors, driven_by, tolerance,
-            readings[row], pressures[row], modes[row], scratch, nothing,
+            readings[row], pressures[row], modes[row], scratch, nothing, (follows[turn], is_followed),
         )  # fmt: skip
 
 
@@ -277,7 +299,7 @@ def score_rows(
     for row in range(rows.shape[0]):
         sums[row] = run_row(
             rows[row], states[0], memories[0], time, drive, anchors, driven_by, tolerance,
-            readings, nothing, nothing, scratch, (measured, slack, reach, most[row]),
+            readings, nothing, nothing, scratch, (measured, slack, reach, most[row]), (False, False),
         )  # fmt: skip
 
 
