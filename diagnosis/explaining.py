@@ -17,6 +17,9 @@ FORM_SHARE = 0.05
 AT_NOISE = 1.05
 """Mean weighted square up to which nothing else can come nearer."""
 
+FITTED = 1.03
+"""Error of what was fitted, over that of noise, up to which no search from elsewhere can come nearer."""
+
 WORTH_MORE = 1.1
 """Mean weighted square, over the noise or the least that anything left, up to which nothing with one more effect is
 told from what leaves it: it gains less likelihood than that effect and its number cost."""
@@ -42,13 +45,21 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
     """
     if candidate.has_series:
         return misfit(candidate) < AT_NOISE
-    allowed = GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0)
-    return misfit(candidate) < 1.0 + allowed * (GENEROUS if generous else 1.0)
+    return misfit(candidate) < allowed(base, GENEROUS if generous else 1.0)
+
+
+def allowed(base: Candidate, factor: float = 1.0) -> float:
+    """Return the misfit below which a cause explains what a base leaves; a factor allows as much more beyond noise."""
+    return 1.0 + factor * (GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0))
 
 
 def nearly_explains(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether a cause leaves little, but some: it may be the right one in a side minimum, or stand in for it."""
-    return misfit(candidate) >= AT_NOISE and explains(candidate, base, generous=True)
+    """Return whether a cause leaves little, but some: it may be the right one in a side minimum, or stand in for it.
+
+    In a side minimum it leaves some of what it was fitted to as well.
+    """
+    is_fitted = candidate.fit.found.error < FITTED * candidate.fit.problem.noise_error
+    return misfit(candidate) >= AT_NOISE and not is_fitted and explains(candidate, base, generous=True)
 
 
 def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:

@@ -56,6 +56,9 @@ NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
 followed to its end."""
 
+PROMISE_IF_SLOW = 0.25
+"""Share of the error of an effect whose runs take long that another must promise to explain on top of it."""
+
 NEAR_MISS, NEAR_MISSES = 5.0, 4
 """Factor within which two effects lie behind the best two to be tried in another order, and the most that are."""
 
@@ -234,7 +237,7 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
         if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
-    return worthwhile(work, tried)
+    return worthwhile(on_what_is_quick(work, best), tried)
 
 
 def near_misses(tried: Sequence[Candidate]) -> list[Work]:
@@ -257,7 +260,20 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
         for first, second in orders
         if is_quick(second) and not effect_of_key(first).breakaway and not is_laid_on_top(alone[first])
     ]
-    return worthwhile(work[:NEAR_MISSES], tried)
+    return worthwhile(on_what_is_quick(work, best)[:NEAR_MISSES], tried)
+
+
+def on_what_is_quick(work: Sequence[Work], best: Candidate) -> list[Work]:
+    """Return work without what begins on an effect whose runs take long, unless that may come nearer than the best.
+
+    Where the best leaves nothing but noise it could come as near at most, and elsewhere it must promise something.
+    """
+
+    def is_slow(each: Work) -> bool:
+        return effect_of_key(each.effects[0]).takes_long
+
+    wanted = [each for each in work if misfit(best) >= AT_NOISE or not is_slow(each)]
+    return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in wanted]
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:

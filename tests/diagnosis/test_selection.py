@@ -29,7 +29,9 @@ from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 def candidate(misfit: float, *effects: str) -> Candidate:
     values = {key: {"size": misfit} for key in effects}
     model, found = SimpleNamespace(effects=values), SimpleNamespace(error=100.0 * misfit)
-    problem = SimpleNamespace(is_anchored="stribeck" in effects, is_in_steps="quantisation" in effects)
+    problem = SimpleNamespace(
+        is_anchored="stribeck" in effects, is_in_steps="quantisation" in effects, noise_error=100.0
+    )
     fit = SimpleNamespace(name="+".join(effects), model=model, found=found, problem=problem)
     return Candidate(effects, fit, SimpleNamespace(misfit=misfit))
 
@@ -88,9 +90,11 @@ def test_of_two_effects_those_that_make_the_stem_jump_are_looked_back_from():
 
 def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_explains():
     tried = [candidate(90.0), candidate(30.0, "coil_lag")]
-    pairs = [candidate(9.0, "coil_lag", "static_friction"), candidate(10.0, "coil_lag", "end_stop")]
-    pairs += [candidate(11.0, "air_leak", "end_stop")]
+    pairs = [candidate(5.0, "coil_lag", "static_friction"), candidate(5.5, "coil_lag", "end_stop")]
+    pairs += [candidate(6.0, "air_leak", "end_stop")]
     assert selection.worth_trying_anew([*tried, *pairs]) == [pairs[1]]
+    # What leaves much lacks more than a form.
+    assert selection.worth_trying_anew([*tried, candidate(9.0, "coil_lag", "end_stop")]) == []
     assert selection.worth_trying_anew([*tried, *pairs, candidate(1.1, "gap_drift", "air_leak")]) == []
 
 
@@ -348,6 +352,29 @@ def test_the_nearest_pairs_are_searched_for_from_every_start_in_either_order_whe
     assert [each.effects for each in work] == expected
     assert all(each.follows_all for each in work)
     assert [each.fit for each in work] == [each.fit for each in alone[:2]][: len(work)]
+
+
+@pytest.mark.parametrize(("error", "is_searched"), [(101.0, False), (105.0, True)])
+def test_what_was_fitted_to_the_noise_is_in_no_side_minimum(error, is_searched):
+    """Unseen data may show a little more than noise all the same."""
+    base, best = candidate(90.0), candidate(1.2, "air_leak")
+    best.fit.found.error = error
+    assert bool(singles.nearly([base, best])) == is_searched
+    pair = candidate(1.2, "air_leak", "end_stop")
+    pair.fit.found.error = error
+    assert bool(proposals.nearly_together([base, best, candidate(50.0, "end_stop"), pair])) == is_searched
+
+
+@pytest.mark.parametrize(("left", "promises"), [(1.02, [0.0]), (1.2, [0.0, proposals.PROMISE_IF_SLOW])])
+def test_on_what_takes_long_to_run_another_is_tried_only_where_it_may_come_nearer(left, promises):
+    alone = [candidate(60.0, "presliding"), candidate(50.0, "area_variation"), candidate(70.0, "sensor_drift")]
+    best, behind = candidate(left, "presliding", "area_variation"), candidate(2.0, "sensor_drift", "presliding")
+    other = candidate(2.1, "sensor_drift", "area_variation")
+    known = [replace(each, orders=frozenset({each.effects})) for each in (best, behind, other)]
+    work = proposals.near_misses([candidate(90.0), *alone, *known])
+    assert [each.promise for each in work if each.effects[0] != "sensor_drift"] == promises[::-1]
+    assert {each.effects for each in work} >= {("area_variation", "sensor_drift")}
+    assert (("presliding", "sensor_drift") in {each.effects for each in work}) == (len(promises) > 1)
 
 
 def test_what_is_dear_to_run_is_not_searched_for_from_every_start_beside_another():
@@ -700,7 +727,6 @@ def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it
     asked: dict[str, tuple[object, float]] = {}
     monkeypatch.setattr(trying, "try_effect", try_effect)
     monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: seen[key] for key in keys})
-    base.fit.problem.noise_error = 100.0
     tried = singles.try_by_promise(base, None, ["load_force", *order[::-1]], pool, lambda what, share: None)
     assert [each.effects for each in tried] == [(), *((key,) for key in [*order, "load_force"])]
     assert are_aliases("coil_lag", "sensor_lag")
@@ -717,7 +743,6 @@ def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it
 def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkeypatch):
     errors = {"sensor_lag": 104.0, "spring_hardening": 106.0, "chamber_filling": 104.0}
     base, seen = candidate(40.0), {key: glance(None, error, 0.9) for key, error in errors.items()}
-    base.fit.problem.noise_error = 100.0
     work = {key: singles.called_for(base, seen, Work(base.fit, (key,), False), []) for key in seen}
     assert (work["sensor_lag"].begun, work["sensor_lag"].worth) == (seen["sensor_lag"].fit, math.inf)
     # Of what has several forms another may come nearer.
@@ -739,7 +764,6 @@ def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, wo
 
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
     base = candidate(1.08)
-    base.fit.problem.noise_error = 100.0
     seen = {"coil_lag": glance(base.fit, 104.0)}
     work = singles.called_for(base, seen, Work(base.fit, ("coil_lag",), False), [])
     assert (work.promise, work.worth, work.begun) == (singles.PROMISE_AT_NOISE, math.inf, None)
