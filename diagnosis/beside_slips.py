@@ -104,6 +104,7 @@ def beside_slips(
         for number, each in enumerate(bent)
         if number < BENDS or (each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect)))
     ]
+    progress("how far the slips go beside what bends the line", 0.0)
     looked = look_beside(worth, keys, pool, at_slips.error)
     if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]

@@ -33,6 +33,7 @@ from diagnosis.standing import (
     blunt,
     breaks_away,
     has_read_off,
+    is_out_of_reach,
     is_read_off,
     is_settled,
     is_worth_its_time,
@@ -194,7 +195,7 @@ def on_top_of_the_best(
     if size == 2:
         known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
     best = best_of(known, size)
-    if not best or not gains(best[0], order[0]) or settles(best[0]):
+    if not best or not gains(best[0], order[0]) or settles(best[0]) or (size == 2 and is_out_of_reach(known)):
         return known
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]
@@ -209,12 +210,17 @@ def on_top_of_the_best(
 def with_kindred(
     tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Return what was tried, with the best two effects exchanged for their aliases, searched for anew and about."""
+    """Return what was tried, with the best two effects exchanged for their aliases, searched for anew and about.
+
+    Where these leave two effects out of reach nothing more is tried.
+    """
     known, done = list(tried), set[frozenset[str]]()
     for _ in range(ALIAS_ROUNDS):
         work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
         done |= {frozenset(each.effects) for each in work}
         known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
+    if is_out_of_reach(known):
+        return known
     led = leading_pair(known)
     for proposed in (on_what_stays, near_misses):
         known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))

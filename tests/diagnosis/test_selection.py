@@ -88,6 +88,37 @@ def test_of_two_effects_those_that_make_the_stem_jump_are_looked_back_from():
     assert selection.worth_a_look_back(tried, 2) == []
 
 
+@pytest.mark.parametrize(
+    ("single", "pair", "law", "is_out"),
+    [
+        (92.0, 67.0, "end_stop", True),
+        (92.0, 67.0, "static_friction", False),
+        (92.0, 5.0, "end_stop", False),
+        (3.6, 3.0, "end_stop", False),
+        (7.2, 7.1, "end_stop", True),
+    ],
+)
+def test_two_effects_that_leave_much_and_little_less_than_one_are_not_tried_in_other_ways(
+    monkeypatch, single, pair, law, is_out
+):
+    tried = [candidate(150.0), candidate(single, "coil_lag"), candidate(pair, "coil_lag", law)]
+    assert selection.is_out_of_reach(tried) == is_out
+    asked: list[str] = []
+    named = ("exchanged", "on_what_stays", "near_misses", "worth_beginning_again", "jumps_anew", "nearly_together")
+    monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
+    monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
+    monkeypatch.setattr(selection, "in_other_forms", lambda _: [])
+    for name in named:
+        monkeypatch.setattr(selection, name, lambda tried, name=name: asked.append(name) or [])
+    selection.with_kindred(tried, None, None, lambda what, share: None)
+    assert set(asked) == ({"exchanged"} if is_out else {*named})
+    monkeypatch.setattr(selection, "extensions", lambda leaders, *_: asked.append("looking back") or [])
+    asked.clear()
+    monkeypatch.setattr(selection, "reversed_pairs", lambda *_: asked.append("reversed") or [])
+    selection.on_top_of_the_best(tried, tried[1:2], None, None, lambda what, share: None)
+    assert ("reversed" in asked) != is_out
+
+
 def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_explains():
     tried = [candidate(90.0), candidate(30.0, "coil_lag")]
     pairs = [candidate(5.0, "coil_lag", "static_friction"), candidate(5.5, "coil_lag", "end_stop")]
