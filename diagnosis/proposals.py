@@ -7,7 +7,15 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
-from diagnosis.explaining import AT_NOISE, any_explains, explains, misfit, nearly_explains, stops_seen
+from diagnosis.explaining import (
+    AT_NOISE,
+    any_explains,
+    explains,
+    leaves_nothing_to_tell,
+    misfit,
+    nearly_explains,
+    stops_seen,
+)
 from diagnosis.judgement import is_felt
 from diagnosis.standing import (
     EXPLAINS_SOME,
@@ -237,7 +245,7 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
         if stays and is_behind and is_called:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
-    return worthwhile(on_what_is_quick(work, best), tried)
+    return worthwhile(on_what_is_quick(work, best, tried), tried)
 
 
 def near_misses(tried: Sequence[Candidate]) -> list[Work]:
@@ -260,19 +268,20 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
         for first, second in orders
         if is_quick(second) and not effect_of_key(first).breakaway and not is_laid_on_top(alone[first])
     ]
-    return worthwhile(on_what_is_quick(work, best)[:NEAR_MISSES], tried)
+    return worthwhile(on_what_is_quick(work, best, tried)[:NEAR_MISSES], tried)
 
 
-def on_what_is_quick(work: Sequence[Work], best: Candidate) -> list[Work]:
+def on_what_is_quick(work: Sequence[Work], best: Candidate, tried: Sequence[Candidate]) -> list[Work]:
     """Return work without what begins on an effect whose runs take long, unless that may come nearer than the best.
 
-    Where the best leaves nothing but noise it could come as near at most, and elsewhere it must promise something.
+    Where the best leaves nothing to tell it could come as near at most, and elsewhere it must promise something.
     """
 
     def is_slow(each: Work) -> bool:
         return effect_of_key(each.effects[0]).takes_long
 
-    wanted = [each for each in work if misfit(best) >= AT_NOISE or not is_slow(each)]
+    is_enough = leaves_nothing_to_tell(best, tried)
+    wanted = [each for each in work if not (is_enough and is_slow(each))]
     return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in wanted]
 
 

@@ -396,7 +396,7 @@ def test_what_was_fitted_to_the_noise_is_in_no_side_minimum(error, is_searched):
     assert bool(proposals.nearly_together([base, best, candidate(50.0, "end_stop"), pair])) == is_searched
 
 
-@pytest.mark.parametrize(("left", "promises"), [(1.02, [0.0]), (1.2, [0.0, proposals.PROMISE_IF_SLOW])])
+@pytest.mark.parametrize(("left", "promises"), [(1.08, [0.0]), (1.2, [0.0, proposals.PROMISE_IF_SLOW])])
 def test_on_what_takes_long_to_run_another_is_tried_only_where_it_may_come_nearer(left, promises):
     alone = [candidate(60.0, "presliding"), candidate(50.0, "area_variation"), candidate(70.0, "sensor_drift")]
     best, behind = candidate(left, "presliding", "area_variation"), candidate(2.0, "sensor_drift", "presliding")
