@@ -14,10 +14,10 @@ from dataclasses import replace
 from typing import Any
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.stage_gaps import FRONT
 from diagnosis.where import where_of
 from identification.experiment import experiment_of
 from identification.fit import fit_base
+from valvemodel.declarations import FRONT
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS

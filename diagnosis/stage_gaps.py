@@ -16,9 +16,6 @@ from identification.unknowns import OF_GAP
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 
-FRONT, BACK = ("electromagnet", "nozzle"), ("stem", "sensor")
-"""The stages before and after the measured pressure."""
-
 WIDEST = 8
 """An error of the pressure is averaged over at most 2**8 + 1 neighbouring samples."""
 
@@ -137,7 +134,7 @@ def back_of(driven: Sequence[Experiment], base: Fit) -> Fit:
 
 def stem_alone(model: Model) -> Model:
     """Return the model of stem and sensor, whose input is the pressure itself in place of the current."""
-    effects = {key: values for key, values in model.effects.items() if effect_of_key(key).stage in BACK}
+    effects = {key: values for key, values in model.effects.items() if not effect_of_key(key).acts_on_pressure}
     return Model(model.name, {**model.values, "pressure_at_zero_current": 0.0, "pressure_per_current": 1.0}, effects)
 
 

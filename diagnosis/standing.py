@@ -143,7 +143,7 @@ def is_quick(key: str) -> bool:
 def is_dear(key: str) -> bool:
     """Return whether runs with an effect are dear: the pressure moves between the samples, or bristles do."""
     effect = effect_of_key(key)
-    return effect.takes_long or (effect.acts_in_time and effect.stage in ("electromagnet", "nozzle"))
+    return effect.takes_long or (effect.acts_in_time and effect.acts_on_pressure)
 
 
 def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPLAINS_MUCH) -> bool:

@@ -12,10 +12,10 @@ import numpy as np
 from diagnosis.corrections import PLACES, Correction, closed_of, smallest_correction, stretch_of
 from diagnosis.own_signals import Explained, explained_by_stages
 from diagnosis.residual_curves import gap_at, opening_of
-from diagnosis.stage_gaps import BACK, FRONT, POSITION_AT_NOISE, StageGaps, rms, stage_gaps
+from diagnosis.stage_gaps import POSITION_AT_NOISE, StageGaps, rms, stage_gaps
 from identification.experiment import Experiment
 from identification.fit import Fit, simulate_model
-from valvemodel.declarations import STAGES
+from valvemodel.declarations import BACK, FRONT, STAGES
 
 MEASURED, CORRECTED = "measured input", "smallest correction"
 """How the gap of a stage was found."""

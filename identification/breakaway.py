@@ -17,7 +17,7 @@ from identification.search import Slopes, roam_over
 from identification.unknowns import GAP
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
-from valvemodel.parameters import ACT_ON_PRESSURE, BEHIND_PRESSURE
+from valvemodel.parameters import ACT_ON_PRESSURE
 
 RAMPED = 0.02
 """Change of the pressure within a period, over its range, below which the force at breakaway is known."""
@@ -122,7 +122,7 @@ class Breakaways:
         found = []
         _, which, places = np.unique(points[:, self.acting], axis=0, return_index=True, return_inverse=True)
         for number, (experiment, rests) in enumerate(zip(self.problem.experiments, self.rests, strict=True)):
-            rows = self.problem.rows_without(lambda effect: effect.stage in BEHIND_PRESSURE, points[which], number)
+            rows = self.problem.rows_without(lambda effect: not effect.acts_on_pressure, points[which], number)
             rows["coulomb_friction"] = HELD_FAST
             run = simulate_rows(experiment, rows, tolerance=self.problem.tolerance, with_pressure=True)
             last = np.array([rest.last for rest in rests], int)

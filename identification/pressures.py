@@ -32,7 +32,7 @@ def seen_by_pressure(problem: Problem, point: np.ndarray, told: list[int]) -> tu
 
 def makes_pressure(effect: Effect) -> bool:
     """Return whether an effect changes the pressure at rest under a current."""
-    return effect.stage in ("electromagnet", "nozzle") and not effect.acts_in_time
+    return effect.acts_on_pressure and not effect.acts_in_time
 
 
 def with_pressures_of(fitted: Problem, found: np.ndarray, problem: Problem, point: np.ndarray) -> np.ndarray:

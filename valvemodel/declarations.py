@@ -12,7 +12,10 @@ HINTS = frozenset(
 )  # fmt: skip
 """What a search may read off a record to begin with; the search says how."""
 
-STAGES = ("electromagnet", "nozzle", "stem", "sensor")
+FRONT, BACK = ("electromagnet", "nozzle"), ("stem", "sensor")
+"""The stages before and behind the pressure: the chain runs forward only."""
+
+STAGES = FRONT + BACK
 
 Form = tuple[tuple[str, float], ...]
 """What tells one form of an effect from another: the parameters that no fit moves, and their values."""
@@ -129,6 +132,11 @@ class Effect:
             if parameter.name == name:
                 return parameter
         raise unknown_name(f"a parameter of {self.key}", name, [each.name for each in self.parameters])
+
+    @property
+    def acts_on_pressure(self) -> bool:
+        """Whether the pressure depends on the effect."""
+        return self.stage in FRONT
 
     @property
     def fitted(self) -> tuple[Parameter, ...]:

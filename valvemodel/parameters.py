@@ -45,11 +45,8 @@ PARAMETERS = np.dtype(
 )
 """Type of the record of numbers that the compiled chain reads."""
 
-BEHIND_PRESSURE = ("stem", "sensor")
-"""Stages that do not act on the pressure."""
-
 ACT_ON_PRESSURE = ON_PRESSURE + tuple(
-    parameter.name for effect in EFFECTS if effect.stage not in BEHIND_PRESSURE for parameter in effect.parameters
+    parameter.name for effect in EFFECTS if effect.acts_on_pressure for parameter in effect.parameters
 )
 """Names of the numbers that act on the pressure; all others act behind it."""
 
