@@ -49,14 +49,14 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
 
 
 def allowed(base: Candidate, factor: float = 1.0) -> float:
-    """Return the misfit below which a cause explains what a base leaves; a factor allows as much more beyond noise."""
+    """Return the misfit below which a cause explains what a base leaves; a factor on what is allowed beyond noise."""
     return 1.0 + factor * (GOOD_ENOUGH - 1.0 + FORM_SHARE**2 * max(misfit(base) - 1.0, 0.0))
 
 
 def nearly_explains(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether a cause leaves little, but some: it may be the right one in a side minimum, or stand in for it.
+    """Return whether a cause leaves little, but some: it may be the right one in a side minimum.
 
-    In a side minimum it leaves some of what it was fitted to as well.
+    There it leaves some of what it was fitted to as well.
     """
     is_fitted = candidate.fit.found.error < FITTED * candidate.fit.problem.noise_error
     return misfit(candidate) >= AT_NOISE and not is_fitted and explains(candidate, base, generous=True)

@@ -76,8 +76,8 @@ ALIASES_BEHIND = 10.0
 four in blind plants of our own that began 13 to 18 times as far none came nearer than 13 times."""
 
 LACKS_A_FORM = 5.0
-"""Squared error, over what may be left, up to which the best two effects may lack but the right form: of twelve blind
-plants of our own of which nothing explained the record none gained more than 2 % by another."""
+"""Squared error, over what may be left, up to which the best two effects may lack but the right form. Of twelve blind
+plants of our own that nothing explained, at whatever error, none gained more than 2 % by another."""
 
 LOOKED_BACK = 2
 """Best causes of three effects that are tried without each of them in turn."""
@@ -173,6 +173,8 @@ def on_top_of_the_best(
     progress: Progress,
 ) -> list[Candidate]:
     """Try one more effect on top of the best causes, and of what the best of all is without its first effect.
+
+    Where the best two leave much, and little less than one, they are not tried without the first, nor in another order.
 
     Parameters
     ----------

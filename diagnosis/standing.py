@@ -23,7 +23,7 @@ to be looked for."""
 
 OUT_OF_REACH = 3.0
 """What the best two effects leave over what may be left, times what they leave over the best alone, from which no other
-order, alias, form or start brings two effects to the noise: of 22 blind pairs of our own it was at most 0.9."""
+order, form or start brings two effects to the noise: of 22 blind pairs of our own it was at most 0.9."""
 
 MANY_NUMBERS = 4
 """Free numbers from which an effect may stand in for one of fewer: a tight spot of any place, width and shape does."""
@@ -107,10 +107,11 @@ def of_many_numbers(model: Model) -> list[str]:
 def is_out_of_reach(tried: Sequence[Candidate]) -> bool:
     """Return whether the best two effects leave so much, and so little less than the best alone, that none explain it.
 
-    Where one of them makes the stem jump the error is jagged, and tells less.
+    Where one of the nearest makes the stem jump, or takes long to run, the error is jagged, and tells less.
     """
-    pair, single = best_of(tried, 2)[0], min(misfit(each) for each in tried if len(each.effects) < 2)
-    return not breaks_away(pair) and misfit(pair) ** 2 > OUT_OF_REACH * allowed(tried[0]) * single
+    pairs, single = best_of(tried, 2)[:SHARPENED], min(misfit(each) for each in tried if len(each.effects) < 2)
+    is_far = misfit(pairs[0]) ** 2 > OUT_OF_REACH * allowed(tried[0]) * single
+    return is_far and not any(map(breaks_away, pairs))
 
 
 def is_read_off(candidate: Candidate) -> bool:

@@ -81,9 +81,9 @@ def _forked(jobs: int) -> Iterator[Executor]:
 
 
 def in_parts(do: Callable[[slice], None], rows: int) -> None:
-    """Do the work of all rows, in threads where cores are left over: compiled code runs without Python's lock.
+    """Do the work of all rows, or groups of them, in threads where cores are left over: compiled code needs no lock.
 
-    What is done with a row must not depend on the others.
+    What is done with one must not depend on the others.
     """
     threads = min(_left_over(), rows)
     if threads < 2:

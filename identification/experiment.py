@@ -7,7 +7,6 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import cast
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from valvemodel import chain, loops, runs
 from valvemodel.parameters import MEMORY, STATE, by_pressure
 from valvemodel.periods import finer, passing
 from valvemodel.records import Record
+from valvemodel.stages.part import COARSE
 
 SETTLING_TIME = 5.0
 """How long each current of a settled loop is held. [s]"""
@@ -52,7 +52,15 @@ BESIDE_STEPS = 2.0
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
 
-_own = threading.local()
+
+class _Own(threading.local):
+    """What the runs of a thread remember, shape (1,), dtype MEMORY; each run overwrites it."""
+
+    def __init__(self) -> None:
+        self.memory = np.zeros(1, MEMORY)
+
+
+_own = _Own()
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,6 +321,7 @@ def simulate_rows(
     """Run each row of numbers over an experiment, exactly or at a search's stated tolerance.
 
     Each step of a loop is settled in closed form where the model allows it, else its current is held for some seconds.
+    Rows with the same pressures share them in a search, laid as the first of them needs it.
     """
     if experiment.is_loop and in_closed_form:
         return _settled(experiment, rows)
@@ -323,13 +332,13 @@ def simulate_rows(
     noted = shape if with_pressure else (len(rows), 0)
     pressure, mode = np.empty(noted), np.empty(noted)
     step, offset = _without_steps(experiment, rows)
-    order, follows = by_pressure(rows)
+    order, follows = by_pressure(rows) if tolerance >= COARSE else runs.one_by_one(len(rows))
     states, firsts = np.zeros(len(rows), STATE), np.append(np.flatnonzero(~follows), len(rows))
 
     def run(groups: slice) -> None:
         turns = slice(firsts[groups.start], firsts[groups.stop])
         runs.run_in_order(
-            rows, states, own_memory(), time, drive, anchors, chain.CURRENT, tolerance,
+            rows, states, _own.memory, time, drive, anchors, chain.CURRENT, tolerance,
             smooth, pressure, mode, order[turns], follows[turns],
         )  # fmt: skip
 
@@ -338,13 +347,6 @@ def simulate_rows(
         smooth, pressure, mode = (each[:, :: experiment.parts] for each in (smooth, pressure, mode))
     position = smooth if step == 0.0 else offset + step * np.floor((smooth - offset) / step + 0.5)
     return Simulated(position, pressure, mode, step, smooth)
-
-
-def own_memory() -> np.ndarray:
-    """Return what this thread's runs remember, shape (1,), dtype MEMORY; each run overwrites it."""
-    if not hasattr(_own, "memory"):
-        _own.memory = np.zeros(1, MEMORY)
-    return cast(np.ndarray, _own.memory)
 
 
 def are_loops(experiments: Sequence[Experiment]) -> bool:
@@ -405,7 +407,7 @@ def score_rows(
 
     def score(part: slice) -> None:
         runs.score_rows(
-            rows[part], np.zeros(1, STATE), own_memory(), time, drive, measured, within * step,
+            rows[part], np.zeros(1, STATE), _own.memory, time, drive, measured, within * step,
             experiment.reach * experiment.noise, anchors, chain.CURRENT, tolerance,
             np.empty(len(measured)), most[part], sums[part],
         )  # fmt: skip

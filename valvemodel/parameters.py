@@ -127,7 +127,7 @@ MEMORY = np.dtype(
             "step_time", "step_spacing", "step_count", "step_side", "step_position", "step_speed",
             "step_start", "step_damping", "step_stiffness", "trace_count", "bristles_off",
             "response_place", "response_turn", "glide_turn",
-            "keeps_parts", "takes_parts", "parts_kept", "parts_taken", "kept_plan",
+            "takes_parts", "parts_kept", "parts_taken", "kept_plan",
         )
     ]
     + [

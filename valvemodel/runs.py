@@ -213,7 +213,7 @@ def run_row(
     start_chain(p, state, memory, drive[0], driven_by, time[0], tolerance)
     goes_forward = not (anchors.shape[0] > 0 or pressures.shape[0] > 0 or holds) and is_forward(state)
     takes, keeps = alike
-    begin_parts(memory, keeps, takes, state.plan_moving + 2.0 * holds + 4.0 * goes_forward, tolerance)
+    begin_parts(memory, keeps, takes, 1.0 + holds + 2.0 * goes_forward, tolerance)
     if not goes_forward:
         return run_by_periods(
             p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes, goal
@@ -227,10 +227,15 @@ def run_row(
 
 def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes):
     """Run each row of numbers over the same drive, one by one, as `run_in_order` does."""
-    one_by_one = np.arange(len(rows)), np.zeros(len(rows), bool)
     run_in_order(
-        rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes, *one_by_one
-    )
+        rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes,
+        *one_by_one(len(rows)),
+    )  # fmt: skip
+
+
+def one_by_one(count):
+    """Return the order of so many rows each of which lays its own pressure."""
+    return np.arange(count), np.zeros(count, bool)
 
 
 @compiled
@@ -268,7 +273,7 @@ def run_in_order(
         row, is_followed = order[turn], turn + 1 < order.shape[0] and follows[turn + 1]
         run_row(
             rows[row], states[row], memories[0], time, drive, anchors, driven_by, tolerance,
-            readings[row], pressures[row], modes[row], scratch, nothing, (follows[turn], is_followed),
+            readings[row], pressures[row], modes[row], scratch, nothing, (turn > 0 and follows[turn], is_followed),
         )  # fmt: skip
 
 

@@ -17,12 +17,15 @@ KEPT = np.dtype([("length", "f8"), ("pressures", "f8", (COARSE_NODES + 1,)), ("p
 
 @inlined
 def begin_parts(memory, keeps, takes, plan, tolerance):
-    """Begin a run that keeps its parts, or takes those of the row before, which must have been run by the same plan."""
+    """Begin a run that keeps its parts, or takes those of the row before.
+
+    The plan, a positive number, says how the run goes along its pressures: a row of another plan lays its own. It is 0
+    where none are kept.
+    """
     memory.parts_taken = 0.0
-    memory.takes_parts = takes and memory.kept_plan == plan and memory.parts_kept <= MOST_KEPT
+    memory.takes_parts = takes and memory.kept_plan == plan
     if memory.takes_parts == 0.0:
-        memory.keeps_parts = keeps and is_coarse(tolerance)
-        memory.kept_plan = plan if memory.keeps_parts == 1.0 else -1.0
+        memory.kept_plan = plan if keeps and is_coarse(tolerance) else 0.0
         memory.parts_kept = 0.0
 
 
@@ -32,7 +35,7 @@ def next_part(p, state, memory, drive, time, left, tolerance):
     if memory.takes_parts == 1.0:
         return take_part(state, memory, time)
     length = lay_part(p, state, memory, drive, time, left, tolerance)
-    if memory.keeps_parts == 1.0:
+    if memory.kept_plan > 0.0:
         keep_part(state, memory, length)
     return length
 
@@ -52,11 +55,13 @@ def take_part(state, memory, time):
 
 @inlined
 def keep_part(state, memory, length):
-    """Keep the part that was laid; where there are too many, none is taken."""
+    """Keep the part that was laid; where there are too many, none is."""
     index = int(memory.parts_kept)
+    if index == MOST_KEPT:
+        memory.kept_plan = 0.0
+        return
+    kept = memory.kept[index]
+    for node in range(COARSE_NODES + 1):
+        kept.pressures[node] = memory.pressures[node]
+    kept.length, kept.pressure, kept.rest_drive = length, state.pressure, state.rest_drive
     memory.parts_kept += 1.0
-    if index < MOST_KEPT:
-        kept = memory.kept[index]
-        for node in range(COARSE_NODES + 1):
-            kept.pressures[node] = memory.pressures[node]
-        kept.length, kept.pressure, kept.rest_drive = length, state.pressure, state.rest_drive
