@@ -23,7 +23,7 @@ to be looked for."""
 
 OUT_OF_REACH = 3.0
 """What the best two effects leave over what may be left, times what they leave over the best alone, from which no other
-order, form or start brings two effects to the noise: of 22 blind pairs of our own it was at most 0.9."""
+order, form or start brings two effects to the noise: of 28 blind records that two explained it was at most 0.9."""
 
 MANY_NUMBERS = 4
 """Free numbers from which an effect may stand in for one of fewer: a tight spot of any place, width and shape does."""

@@ -13,7 +13,7 @@ import numpy as np
 from identification.cores import in_parts
 from identification.noise import flicker_level, noise_level
 from valvemodel import chain, loops, runs
-from valvemodel.parameters import MEMORY, STATE, by_pressure
+from valvemodel.parameters import MEMORY, STATE, by_pressure, one_by_one
 from valvemodel.periods import finer, passing
 from valvemodel.records import Record
 from valvemodel.stages.part import COARSE
@@ -332,7 +332,7 @@ def simulate_rows(
     noted = shape if with_pressure else (len(rows), 0)
     pressure, mode = np.empty(noted), np.empty(noted)
     step, offset = _without_steps(experiment, rows)
-    order, follows = by_pressure(rows) if tolerance >= COARSE else runs.one_by_one(len(rows))
+    order, follows = by_pressure(rows) if tolerance >= COARSE else one_by_one(len(rows))
     states, firsts = np.zeros(len(rows), STATE), np.append(np.flatnonzero(~follows), len(rows))
 
     def run(groups: slice) -> None:

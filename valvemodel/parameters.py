@@ -175,6 +175,11 @@ def parameter_rows(values: Mapping[str, float], count: int = 1) -> np.ndarray:
 _COLUMNS = np.array([list(PARAMETERS.fields or ()).index(name) for name in ACT_ON_PRESSURE])
 
 
+def one_by_one(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the order of so many rows each of which lays its own pressure, as `by_pressure` does."""
+    return np.arange(count), np.zeros(count, bool)
+
+
 def by_pressure(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Order rows of numbers so that those with the same pressures come after each other.
 
@@ -189,11 +194,12 @@ def by_pressure(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     follows : array of bool, shape (n,)
         Whether a row, in that order, differs from the one before it behind the pressure alone.
     """
+    order, follows = one_by_one(len(rows))
     if len(rows) == 1:
-        return np.zeros(1, int), np.zeros(1, bool)
+        return order, follows
     numbers = np.ascontiguousarray(rows).view("f8").reshape(len(rows), -1)[:, _COLUMNS]
     differing = numbers[:, (numbers != numbers[0]).any(axis=0)]
-    order = np.lexsort(differing.T) if differing.size else np.arange(len(rows))
-    follows = np.zeros(len(rows), bool)
+    if differing.size:
+        order = np.lexsort(differing.T)
     follows[1:] = (differing[order[1:]] == differing[order[:-1]]).all(axis=1)
     return order, follows

@@ -21,7 +21,7 @@ from valvemodel.chain import (
     whole_duration,
 )
 from valvemodel.compiled import compiled, inlined
-from valvemodel.parameters import MOST_NOTED
+from valvemodel.parameters import MOST_NOTED, one_by_one
 from valvemodel.stages.drifts import has_drifts, hold_drifts, longest_period, may_hold_drifts, take_out_drifts
 from valvemodel.stages.electromagnet import advance_flux, coil_gap, gap_of_current
 from valvemodel.stages.kept_parts import begin_parts
@@ -231,11 +231,6 @@ def run_chain(rows, states, memories, time, drive, anchors, driven_by, tolerance
         rows, states, memories, time, drive, anchors, driven_by, tolerance, readings, pressures, modes,
         *one_by_one(len(rows)),
     )  # fmt: skip
-
-
-def one_by_one(count):
-    """Return the order of so many rows each of which lays its own pressure."""
-    return np.arange(count), np.zeros(count, bool)
 
 
 @compiled

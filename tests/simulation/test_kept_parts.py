@@ -10,7 +10,7 @@ from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.chain import CURRENT as BY_CURRENT
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
-from valvemodel.parameters import ACT_ON_PRESSURE, MEMORY, STATE, by_pressure
+from valvemodel.parameters import ACT_ON_PRESSURE, MEMORY, STATE, by_pressure, one_by_one
 from valvemodel.simulation import anchors_of
 from valvemodel.stages import EFFECTS
 from valvemodel.stages.kept_parts import MOST_KEPT
@@ -35,13 +35,15 @@ def varied(model: Model, share: float) -> np.ndarray:
 
 def run_in_order(rows: np.ndarray, time=TIME, current=CURRENT, tolerance=SEARCH_TOLERANCE, anchors=runs.FREE):
     """Readings, pressures and modes of rows that share their pressures."""
-    found = np.empty((3, len(rows), len(time)))
-    memories = np.zeros(1, MEMORY)
-    runs.run_in_order(
-        rows, np.zeros(len(rows), STATE), memories, time, current, anchors, BY_CURRENT, tolerance, *found,
-        *by_pressure(rows),
-    )  # fmt: skip
+    found, memories = np.empty((3, len(rows), len(time))), np.zeros(1, MEMORY)
+    run_into(found, memories, rows, by_pressure(rows), time, current, tolerance, anchors)
     return found, memories[0]
+
+
+def run_into(found, memories, rows, order, time=TIME, current=CURRENT, tolerance=SEARCH_TOLERANCE, anchors=runs.FREE):
+    """Run rows in an order into arrays of readings, pressures and modes."""
+    states = np.zeros(len(rows), STATE)
+    runs.run_in_order(rows, states, memories, time, current, anchors, BY_CURRENT, tolerance, *found, *order)
 
 
 def run_one_by_one(rows: np.ndarray, time=TIME, current=CURRENT, tolerance=SEARCH_TOLERANCE, anchors=runs.FREE):
@@ -56,13 +58,10 @@ def run_one_by_one(rows: np.ndarray, time=TIME, current=CURRENT, tolerance=SEARC
     return found
 
 
-def readings_alone(rows: np.ndarray, order: np.ndarray, follows: np.ndarray) -> np.ndarray:
+def readings_alone(rows: np.ndarray, order: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Readings of rows in an order, whose pressures and modes are left out: such a run may go stage by stage."""
     found, nothing = np.empty((len(rows), len(TIME))), np.empty((len(rows), 0))
-    runs.run_in_order(
-        rows, np.zeros(len(rows), STATE), np.zeros(1, MEMORY), TIME, CURRENT, runs.FREE, BY_CURRENT, SEARCH_TOLERANCE,
-        found, nothing, nothing, order, follows,
-    )  # fmt: skip
+    run_into((found, nothing, nothing), np.zeros(1, MEMORY), rows, order)
     return found
 
 
@@ -73,7 +72,7 @@ def test_readings_are_those_of_rows_run_one_by_one(key, behind):
     shared, memory = run_in_order(rows)
     assert np.array_equal(shared, run_one_by_one(rows))
     assert memory["takes_parts"] == by_pressure(rows)[1][-1]
-    assert np.array_equal(readings_alone(rows, *by_pressure(rows)), readings_alone(rows, *runs.one_by_one(len(rows))))
+    assert np.array_equal(readings_alone(rows, by_pressure(rows)), readings_alone(rows, one_by_one(len(rows))))
     assert 0 < by_pressure(rows)[1].sum() < len(rows) - 1
 
 
