@@ -25,11 +25,11 @@ from diagnosis.regimes import Regime, regimes_of
 from diagnosis.residual_curves import residual_curves
 from diagnosis.score import Errors, closed_interval, closed_share, errors_of
 from diagnosis.searching import Search
-from diagnosis.sham import Control, control_of
+from diagnosis.sham import Control, control_of, shams_on
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
 from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
-from identification.cores import workers
+from identification.cores import begun, workers
 from identification.driving.between_rows import said_of_motion
 from identification.driving.measured_current import said_of_current
 from identification.experiment import Experiment
@@ -274,8 +274,15 @@ def diagnose_with(
     searched = Search(model, candidates, pool, progress).on(held)
     experiments, holdout, base, library = searched.experiments, searched.holdout, searched.base, searched.library
     notes = said_of_motion(notes, experiments, held) + said_of_current(experiments)
+    first = searched.tried[0]
+    whole_base = fitted_to_all(base, experiments)
+    # What these find is asked for below: they take the cores that are left over.
+    stage_gaps, likeness = (
+        begun(pool, where_of, experiments, whole_base),
+        begun(pool, confusability, whole_base, library),
+    )
+    shams = begun(pool, shams_on, first, holdout)
     tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
-    first = tried[0]
     floors = floors_of(tried, holdout)
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
@@ -288,19 +295,19 @@ def diagnose_with(
     floor = floors[0] if yardstick == "free" else floors[1]
     causes = causes_of(tried, order, judgement, floor, yardstick)
     as_given = errors_as_given(model, holdout, yardstick)
-    control = control_of(tried, holdout, yardstick)
+    control = control_of(tried, shams(), yardstick)
     progress("fitting the cause to the whole record", 0.9)
     whole = fitted_to_all(shown.fit, experiments)
-    whole_base = fitted_to_all(base, experiments)
     told = estimates(whole)
     causes[0] = replace(with_parameters(causes[0], whole, told), hiding=hiding)
+    found = (whole, told) if verdict == "effect" else (whole_base, estimates(whole_base))
+    where = stage_gaps()
     if verdict == "unknown":
         progress("asking each stage what its own signals explain", 0.95)
-    found = (whole, told) if verdict == "effect" else (whole_base, estimates(whole_base))
-    stage_gaps = where_of(experiments, whole_base, is_unknown=verdict == "unknown", pool=pool)
-    stage_probability = stage_probabilities(verdict, tried, judgement, stage_gaps.measured_shares, stage_gaps.explained)
+        where = where.with_own_signals(pool)
+    stage_probability = stage_probabilities(verdict, tried, judgement, where.measured_shares, where.explained)
     named = sorted(stage_probability, key=lambda stage: -stage_probability[stage])
-    likely = [each for each in stage_gaps.explained if each.stage in named[:MOST_OPEN]]
+    likely = [each for each in where.explained if each.stage in named[:MOST_OPEN]]
     runs = [whole_base.simulated_on(each) for each in experiments]
     residuals = [each.position - run.position[0] for each, run in zip(experiments, runs, strict=True)]
     modes = [run.mode[0] for run in runs]
@@ -310,7 +317,7 @@ def diagnose_with(
         stage_probability=stage_probability,
         regimes=regimes_of(experiments, residuals, modes),
         regime_map=regime_map(experiments, residuals, modes),
-        stage_gaps=stage_gaps,
+        stage_gaps=where,
         causes=causes,
         unknown_probability=judgement.unknown,
         as_given=as_given,
@@ -325,7 +332,7 @@ def diagnose_with(
         found=whole,
         candidates=tuple(effect.key for effect in library),
         tried=tried,
-        confusability=confusability(whole_base, library),
+        confusability=likeness(),
         control=control,
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
         residual_curves=curves_left(verdict, shown, experiments, whole_base, likely),

@@ -56,9 +56,8 @@ class Control:
         ]
 
 
-def control_of(tried: Sequence[Candidate], holdout: Holdout, yardstick: str) -> Control:
-    """Judge sham effects beside the candidates that were tried, the base first among these."""
-    shams = shams_on(tried[0], holdout)
+def control_of(tried: Sequence[Candidate], shams: Sequence[Candidate], yardstick: str) -> Control:
+    """Judge sham effects beside the candidates that were tried."""
     judgement = judge([*tried, *shams])
     weights = judgement.probabilities / judgement.probabilities.sum()
     gaps: list[Errors] = [getattr(each.score, yardstick) for each in shams]
@@ -91,11 +90,10 @@ def shams_on(base: Candidate, holdout: Holdout, *, count: int = SHAMS, seed: int
 
 
 def smooth_noise(generator: np.random.Generator, time: np.ndarray, scale: float, count: int) -> np.ndarray:
-    """Return Gaussian noise with a time scale, each column of variance 1, shape (n, count)."""
-    from scipy.ndimage import gaussian_filter1d
-
-    width = scale / float(np.median(np.diff(time)))
-    noise = gaussian_filter1d(generator.standard_normal((len(time), count)), width, axis=0, mode="wrap")
+    """Return Gaussian noise with a time scale, each column of variance 1, shape (n, count); its end meets its start."""
+    turns = 2.0 * np.pi * np.fft.rfftfreq(len(time), float(np.median(np.diff(time))))
+    waves = np.fft.rfft(generator.standard_normal((len(time), count)), axis=0)
+    noise = np.fft.irfft(waves * np.exp(-0.5 * (turns * scale) ** 2)[:, None], len(time), axis=0)
     return (noise - noise.mean(axis=0)) / np.maximum(noise.std(axis=0), 1e-12)
 
 

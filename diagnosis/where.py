@@ -62,6 +62,27 @@ class StageGap:
     freedom: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Missed:
+    """What the base misses most.
+
+    Attributes
+    ----------
+    stretch : Experiment
+        The record, or a part of it, that is missed most; driven by the measured pressure where all records have it.
+    base : Fit
+    start : float [m]
+        First reading of the base there.
+    stages : tuple of str
+        Those in which the cause may lie: where the pressure was measured those behind it, if anything is missed there.
+    """
+
+    stretch: Experiment
+    base: Fit
+    start: float
+    stages: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Where:
     """The stages side by side.
@@ -74,13 +95,16 @@ class Where:
         term is None where nothing adds up: each correction alone would explain the record.
     record : str or None
         The one record that was corrected.
+    missed : Missed
+        What the stages may be asked about.
     explained : list of Explained
-        What each stage explains by its own signals, where that was asked.
+        What each stage explains of that by its own signals, where it was asked.
     """
 
     stages: list[StageGap]
     total: float
     cross_term: float | None
+    missed: Missed
     record: str | None = None
     explained: list[Explained] = field(default_factory=list)
 
@@ -88,6 +112,13 @@ class Where:
     def measured_shares(self) -> list[tuple[tuple[str, ...], float]]:
         """Parts of the chain with the share of the gap that arises in each; empty where that was not measured."""
         return [(each.stages, each.share) for each in self.stages if each.share is not None]
+
+    def with_own_signals(self, pool: Executor | None) -> Where:
+        """Ask each stage what its own signals explain, in the processes of a pool."""
+        missed = self.missed
+        return replace(
+            self, explained=explained_by_stages(missed.stretch, missed.base, missed.start, missed.stages, pool)
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Return what the `where` of diagnosis.json has of it."""
@@ -98,9 +129,7 @@ class Where:
         }
 
 
-def where_of(
-    experiments: Sequence[Experiment], base: Fit, *, is_unknown: bool = False, pool: Executor | None = None
-) -> Where:
+def where_of(experiments: Sequence[Experiment], base: Fit) -> Where:
     """Say what each stage answers for: by the measured pressure where all records have it, else by corrections.
 
     Parameters
@@ -108,22 +137,10 @@ def where_of(
     experiments : sequence of Experiment
     base : Fit
         Of the base to all of them.
-    is_unknown : bool
-        Whether no cause was found, so that each stage is asked what its own signals explain; where the pressure was
-        measured those behind it, what they explain of what is missed there.
-    pool : Executor or None
-        Whose processes are used.
     """
-    asked: Sequence[str] = STAGES
     if all(experiment.pressure is not None for experiment in experiments):
-        gaps = stage_gaps(experiments, base)
-        found, base = of_measured(gaps, experiments), gaps.behind
-        asked = BACK if rms(gaps.back) > POSITION_AT_NOISE * gaps.position_noise else ()
-        stretch, start = most_missed(gaps.driven, base)
-    else:
-        stretch, start = most_missed(experiments, base)
-        found = of_corrections(stretch, base, start)
-    return replace(found, explained=explained_by_stages(stretch, base, start, asked, pool)) if is_unknown else found
+        return of_measured(stage_gaps(experiments, base), experiments)
+    return of_corrections(most_missed(experiments, base, STAGES))
 
 
 def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
@@ -132,6 +149,7 @@ def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
     pressures = np.concatenate([np.asarray(each.pressure) for each in experiments])
     positions = np.concatenate([each.position for each in experiments])
     pressure, back = rms(gaps.pressure), rms(gaps.back)
+    asked = BACK if back > POSITION_AT_NOISE * gaps.position_noise else ()
     return Where(
         [
             StageGap(
@@ -144,19 +162,21 @@ def of_measured(gaps: StageGaps, experiments: Sequence[Experiment]) -> Where:
         ],
         total=rms([front + back for front, back in zip(gaps.front, gaps.back, strict=True)]),
         cross_term=gaps.cross_term,
+        missed=most_missed(gaps.driven, gaps.behind, asked),
     )  # fmt: skip
 
 
-def most_missed(experiments: Sequence[Experiment], base: Fit) -> tuple[Experiment, float]:
-    """Return the record that the base misses most, or a stretch of it, and the first reading of the base there. [m]"""
+def most_missed(experiments: Sequence[Experiment], base: Fit, stages: tuple[str, ...]) -> Missed:
+    """Return what the base misses most, to ask some stages about."""
     errors = [each.position - base.simulated_on(each).position[0] for each in experiments]
     number = int(np.argmax([rms([error]) / each.noise for error, each in zip(errors, experiments, strict=True)]))
     stretch, first = stretch_of(experiments[number], errors[number])
-    return stretch, base.starts[number] if first == 0 else stretch.first_reading
+    return Missed(stretch, base, base.starts[number] if first == 0 else stretch.first_reading, stages)
 
 
-def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
+def of_corrections(most: Missed) -> Where:
     """Correct the output of each stage in turn."""
+    stretch, base, start = most.stretch, most.base, most.start
     before, after = (smallest_correction(stretch, base, start, place) for place in PLACES)
     simulated = simulate_model(base.model, stretch, start_position=start)
     missed = rms([stretch.position - simulated.position[0]])
@@ -175,6 +195,7 @@ def of_corrections(stretch: Experiment, base: Fit, start: float) -> Where:
         [of_correction(stage, *output, missed=missed, noise=stretch.noise) for stage, output in outputs.items()],
         total=missed,
         cross_term=None,
+        missed=most,
         record=stretch.name,
     )
 

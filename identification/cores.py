@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
 from multiprocessing.sharedctypes import Synchronized
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from threadpoolctl import threadpool_limits
+
+Given = ParamSpec("Given")
+Answer = TypeVar("Answer")
 
 MOST = 8
 """Cores that are used where nothing else is said."""
@@ -78,6 +81,16 @@ def _forked(jobs: int) -> Iterator[Executor]:
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
         _cores.pop()
+
+
+def begun(
+    pool: Executor | None, do: Callable[Given, Answer], /, *given: Given.args, **named: Given.kwargs
+) -> Callable[[], Answer]:
+    """Begin a call in one of the processes of a pool, or make it here without one; return what gives its answer."""
+    if pool is None:
+        answer = do(*given, **named)
+        return lambda: answer
+    return pool.submit(do, *given, **named).result
 
 
 def in_parts(do: Callable[[slice], None], rows: int) -> None:

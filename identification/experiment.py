@@ -219,7 +219,25 @@ class Experiment:
 
         A model that reads in coarse steps is right where it was within half a step of the reading, or so many steps.
         """
-        return self.tempered(self.beyond(simulated, within) / self.noise)
+        errors = np.empty_like(simulated.smooth, order="C")
+        self.fill_errors(errors, 0, simulated, np.arange(len(self.time)), within=within, lost=math.nan)
+        return errors
+
+    def fill_errors(
+        self,
+        errors: np.ndarray,
+        first: int,
+        simulated: Simulated,
+        places: np.ndarray,
+        *,
+        lost: float,
+        within: float = HALF_A_STEP,
+    ) -> None:
+        """Fill in errors as they count at some samples, from a column on; `lost` where one is no number. [noise]"""
+        runs.errors_along(
+            np.ascontiguousarray(simulated.smooth), self.position[places], places, self.noise,
+            within * simulated.step, self.reach, lost, errors, first,
+        )  # fmt: skip
 
     def beyond(self, simulated: Simulated, within: float = HALF_A_STEP) -> np.ndarray:
         """Return measured less simulated positions beyond so many steps of a coarse reading, shape (rows, n). [m]"""

@@ -97,15 +97,24 @@ class Problem:
         array, shape (p, r)
             Position and, where measured, pressure of the samples that count, then the weak priors. [noise]
         """
-        parts = []
-        for number, (experiment, used) in enumerate(zip(self.experiments, self.used, strict=True)):
+        signals = [1 + (experiment.pressure is not None) for experiment in self.experiments]
+        counts = [count * len(places) for count, places in zip(signals, self.places, strict=True)]
+        residuals, first = np.empty((len(points), sum(counts) + points.shape[1])), 0
+        for number, (experiment, places) in enumerate(zip(self.experiments, self.places, strict=True)):
             simulated = self.simulated(points, number)
-            parts.append(experiment.errors_of(simulated, self.within)[:, used])
+            experiment.fill_errors(residuals, first, simulated, places, within=self.within, lost=LOST)
             if experiment.pressure is not None:
-                parts.append((experiment.pressure[used] - simulated.pressure[:, used]) / experiment.pressure_noise)
-        parts.append(points / self.prior_spreads)
-        residuals = np.concatenate(parts, axis=1)
-        return np.where(np.isfinite(residuals), residuals, LOST)
+                missed = (experiment.pressure[places] - simulated.pressure[:, places]) / experiment.pressure_noise
+                pressures = slice(first + len(places), first + counts[number])
+                residuals[:, pressures] = np.where(np.isfinite(missed), missed, LOST)
+            first += counts[number]
+        residuals[:, first:] = points / self.prior_spreads
+        return residuals
+
+    @cached_property
+    def places(self) -> list[np.ndarray]:
+        """Which samples of each experiment count, by their numbers."""
+        return [np.flatnonzero(used) for used in self.used]
 
     def simulated(self, points: np.ndarray, number: int) -> Simulated:
         """Run scaled points, shape (p, unknowns), over the experiment of that number."""
@@ -209,7 +218,10 @@ class Problem:
         upper = np.array([unknown.bounds[1] for unknown in self.unknowns])
         steps[point + steps > upper] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known
-        return ((self.residuals(point + np.diag(steps)) - here) / steps[:, None]).T
+        changes = self.residuals(point + np.diag(steps))
+        changes -= here
+        changes /= steps[:, None]
+        return changes.T
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

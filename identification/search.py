@@ -107,11 +107,36 @@ class Slopes:
             before, residual_before, slopes = self.last
             move = point - before
             missed = residual - residual_before - slopes @ move
-            slopes = slopes + np.outer(missed, move / (move @ move))
+            # By rows of the transpose, as derivatives by differences come.
+            slopes = (slopes.T + np.outer(move / (move @ move), missed)).T
         self.asked += 1
         self.known = {point.tobytes(): residual}
         self.last = (point.copy(), residual, slopes)
         return slopes
+
+
+class Turned:
+    """The residuals of a search and their derivative, turned so that all but as many as there are unknowns are zero.
+
+    Sums of squares and what the slopes say of them stay, and a step takes no decomposition of all residuals.
+    """
+
+    def __init__(self, slopes: Slopes) -> None:
+        self.slopes = slopes
+
+    def residuals(self, point: np.ndarray) -> np.ndarray:
+        """Return the residuals at a point as their size and zeros, shape (m + 1,)."""
+        turned = np.zeros(len(point) + 1)
+        turned[0] = np.linalg.norm(self.slopes.residuals(point))
+        return turned
+
+    def jacobian(self, point: np.ndarray) -> np.ndarray:
+        """Return the derivative, turned as the residuals at a point where they were asked for, shape (m + 1, m)."""
+        slopes = self.slopes.jacobian(point)
+        columns = np.vstack([self.slopes.known[point.tobytes()], slopes.T]).T
+        triangle = np.asarray(np.linalg.qr(columns, mode="r"))
+        triangle[0] *= np.copysign(1.0, triangle[0, 0])
+        return triangle[:, 1:]
 
 
 class Residuals(Protocol):
@@ -150,10 +175,11 @@ def descend(
         problem.jacobian,
         RENEWED_SERIES if problem.has_series else renewed,
     )
+    turned = Turned(slopes)
     result = least_squares(
-        slopes.residuals,
+        turned.residuals,
         inside,
-        jac=slopes.jacobian,
+        jac=turned.jacobian,
         bounds=(low, high),
         max_nfev=evaluations,
         ftol=precision,

@@ -164,6 +164,35 @@ def square_at(goal, sample, reading):
 
 
 @compiled
+def errors_along(readings, measured, places, noise, slack, reach, lost, errors, first):
+    """Fill in measured less simulated readings as they count, whose squares `square_at` adds up. [noise]
+
+    Parameters
+    ----------
+    readings : array, shape (n, m) [m]
+    measured, places : arrays, shape (k,) [m]
+        What was measured at some samples, and which those are.
+    slack : float [m]
+    reach : float [noise]
+        As for `score_rows`.
+    lost : float [noise]
+        What counts in place of what is no number.
+    errors : array, shape (n, more)
+        Filled from a column `first` on.
+    """
+    per_noise = 1.0 / noise
+    for row in range(readings.shape[0]):
+        for each in range(places.shape[0]):
+            error = measured[each] - readings[row, places[each]]
+            if slack > 0.0:
+                error = math.copysign(max(abs(error) - slack, 0.0), error)
+            error *= per_noise
+            if not math.isinf(reach):
+                error = math.copysign(math.sqrt(tempered_square(error, reach)), error)
+            errors[row, first + each] = error if math.isfinite(error) else lost
+
+
+@compiled
 def run_by_periods(p, given, state, memory, time, drive, anchors, tolerance, readings, pressures, modes, goal):
     """Run a chain period by period, put anew at the anchors; `given` are its numbers with what drifts.
 

@@ -63,9 +63,9 @@ def _draw_matrix(axes: Axes, labels: list[str], similarity: np.ndarray, alike: f
     axes.xaxis.tick_top()
     axes.tick_params(length=0, labelsize=8.5)
     axes.grid(visible=False)
-    for edge in np.arange(-0.5, len(labels)):
-        axes.axhline(edge, color="white", linewidth=0.6)
-        axes.axvline(edge, color="white", linewidth=0.6)
+    edges = np.arange(-0.5, len(labels))
+    axes.hlines(edges, edges[0], edges[-1], colors="white", linewidths=0.6)
+    axes.vlines(edges, edges[0], edges[-1], colors="white", linewidths=0.6)
     axes.spines[:].set_visible(False)
     axes.set_xlabel("similarity of the traces [%]: how well the column's effect could imitate the row's")
     axes.xaxis.set_label_position("bottom")

@@ -16,6 +16,7 @@ from diagnosis.report.naming import printable, tied
 from diagnosis.report.svg import equation_picture
 from diagnosis.report.where import where_section
 from diagnosis.report.words import Answer, make_answer
+from identification.cores import begun, workers
 from valvemodel.files import write_text
 
 _SHOWN_RECORDS = 3
@@ -32,25 +33,35 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
     evidence : Evidence
         The data behind the pictures.
     """
+    import matplotlib.figure  # noqa: F401  Here, not once in each process.
+
     answer = make_answer(diagnosis, evidence.warnings)
-    shown = evidence.records[:_SHOWN_RECORDS]
-    page = page_template().render(
-        answer=answer,
-        where=where_section(diagnosis),
-        evidence=evidence,
-        summary_pictures=pictures.summary_pictures(evidence),
-        records=[
-            pictures.record_pictures(f"r{number}", record, evidence.unit, pictures.cause_label(diagnosis))
-            for number, record in enumerate(shown)
-        ],
-        record_names=[record.name for record in evidence.records],
-        records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
-        residual_pictures=pictures.residual_pictures(diagnosis.get("residual_curves") or ()),
-        next_input=pictures.next_input(evidence),
-        heat_map=pictures.heat_map(diagnosis.get("confusability")),
-        equations=_equations(answer),
-        length=_length(evidence),
-    )
+    cause = pictures.cause_label(diagnosis)
+    with workers() as pool:
+        # The dearest first.
+        heat_map = begun(pool, pictures.heat_map, diagnosis.get("confusability"))
+        records = [
+            begun(pool, pictures.record_pictures, f"r{number}", record, evidence.unit, cause)
+            for number, record in enumerate(evidence.records[:_SHOWN_RECORDS])
+        ]
+        residuals = begun(pool, pictures.residual_pictures, diagnosis.get("residual_curves") or ())
+        summary = begun(pool, pictures.summary_pictures, evidence)
+        equations = begun(pool, _equations, answer)
+        next_input = begun(pool, pictures.next_input, evidence)
+        page = page_template().render(
+            answer=answer,
+            where=where_section(diagnosis),
+            evidence=evidence,
+            summary_pictures=summary(),
+            records=[drawn() for drawn in records],
+            record_names=[record.name for record in evidence.records],
+            records_left_out=[record.name for record in evidence.records[_SHOWN_RECORDS:]],
+            residual_pictures=residuals(),
+            next_input=next_input(),
+            heat_map=heat_map(),
+            equations=equations(),
+            length=_length(evidence),
+        )
     return printable(page)
 
 

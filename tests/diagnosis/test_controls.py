@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from diagnosis.ceiling import ceiling_of
 from diagnosis.explaining import stops_seen
@@ -14,7 +15,7 @@ from diagnosis.trying import Work, try_effect
 
 def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):
     base, holdout = refitted(quiet)
-    control = control_of([base], holdout, "free")
+    control = control_of([base], shams_on(base, holdout), "free")
     assert control.probability < 0.5
     assert control.notes == []
 
@@ -24,7 +25,7 @@ def test_no_sham_wins_beside_the_effect_that_is_there(quiet, refitted):
     base, holdout = refitted(quiet, creep)
     drift = try_effect(Work(base.fit, ("sensor_drift",), True), holdout)
     assert drift.score.misfit < 0.5 * base.score.misfit
-    assert control_of([base, drift], holdout, "free").probability < 1e-3
+    assert control_of([base, drift], shams_on(base, holdout), "free").probability < 1e-3
 
 
 def test_sham_wins_where_it_is_in_the_data(quiet, refitted):
@@ -33,9 +34,19 @@ def test_sham_wins_where_it_is_in_the_data(quiet, refitted):
     base, holdout = refitted(quiet, 20.0 * quiet.noise * smooth_noise(generator, quiet.time, scale, 1)[:, 0])
     best = min(shams_on(base, holdout, count=1), key=lambda sham: sham.score.misfit)
     assert best.score.free.rms < 0.5 * base.score.free.rms
-    control = control_of([base], holdout, "free")
+    control = control_of([base], shams_on(base, holdout), "free")
     assert control.probability > 0.5
     assert "too little" in control.notes[0]
+
+
+@pytest.mark.parametrize(("count", "scale"), [(7501, 0.5), (7501, 30.0), (1000, 0.1)])
+def test_waves_of_a_sham_are_noise_through_a_gaussian_filter(count, scale):
+    time = 0.02 * np.arange(count)
+    waves = smooth_noise(np.random.default_rng(4), time, scale, 2)
+    noise = np.random.default_rng(4).standard_normal((count, 2))
+    filtered = gaussian_filter1d(noise, scale / 0.02, axis=0, mode="wrap", truncate=8.0)
+    filtered = (filtered - filtered.mean(axis=0)) / filtered.std(axis=0)
+    assert waves == pytest.approx(filtered, abs=1e-3)
 
 
 def test_black_box_closes_a_bow_and_nothing_of_noise(quiet, refitted):
@@ -53,4 +64,4 @@ def test_shams_are_judged_where_the_stem_rests_on_its_way(quiet, refitted):
     steps = np.round(quiet.position / stairs) * stairs - quiet.position
     base, holdout = refitted(quiet, steps)
     assert stops_seen(base.fit)
-    assert 0.0 <= control_of([base], holdout, "free").probability <= 1.0
+    assert 0.0 <= control_of([base], shams_on(base, holdout), "free").probability <= 1.0

@@ -170,7 +170,7 @@ def test_lag_is_that_of_the_times_that_there_are() -> None:
 
 def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) -> None:
     experiment, base = fitted(given, ("position_dependent_friction",), seed=21)
-    where = where_of([experiment], base, is_unknown=True)
+    where = where_of([experiment], base).with_own_signals(None)
     content = where.as_json()
     json.dumps(content, allow_nan=False)
     assert {each["stage"] for each in content["own_signals"]} == set(STAGES)
@@ -206,7 +206,7 @@ def test_friction_that_differs_up_and_down_goes_with_the_speed(given: Model) -> 
 
 def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> None:
     experiment, base = fitted(given, ("position_dependent_friction",), seed=23, with_pressure=True)
-    where = where_of([experiment], base, is_unknown=True)
+    where = where_of([experiment], base).with_own_signals(None)
     assert [each.stage for each in where.explained] == ["stem", "sensor"]
     assert where.explained[0].as_json()["gap_closed"] > 0.6
     assert "behind the measured pressure" in where_section({"where": where.as_json()}).sentences[-1]

@@ -5,7 +5,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from identification.cores import _left_over, in_parts, workers
+from identification.cores import _left_over, begun, in_parts, workers
 from identification.experiment import Experiment, experiment_of, score_rows, simulate_rows
 from identification.problem import SEARCH_TOLERANCE
 from valvemodel.model import Model
@@ -62,6 +62,15 @@ def test_each_row_is_done_once(count, jobs):
     with workers(jobs):
         in_parts(do, count)
     assert (done == 1).all()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_what_is_begun_gives_its_answer(jobs):
+    with workers(jobs) as pool:
+        answers = [begun(pool, divmod, number, 3) for number in range(5)]
+        assert [answer() for answer in answers] == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1)]
+        with pytest.raises(ZeroDivisionError):
+            begun(pool, divmod, 1, 0)()
 
 
 def test_what_fails_in_a_thread_is_heard():
