@@ -44,6 +44,9 @@ LEADERS = 2
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
 
+SHORTLIST_FURTHER = 2
+"""The same on top of the second leader: of a hundred that were tried there in blind plants of our own none gained."""
+
 SHORTLIST_SLOW = 2
 """The same on top of a cause whose runs take long."""
 
@@ -59,6 +62,10 @@ REVERSED = 4
 NEARLY = 3
 """Best causes of two effects that are searched for from every start, in either order, where they nearly explain a
 record."""
+
+LITTLE_BESIDE = 1.5
+"""Mean weighted square up to which that is worth it: of three in blind plants of our own that left more none gained by
+it, of twelve that left less two came to the noise."""
 
 NO_GAIN, FAR_BEHIND = 0.9, 3.0
 """Error over that of the best cause with fewer effects, and over that of the best of all, above which a fit is not
@@ -293,7 +300,7 @@ def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
     What is dear to run is searched for from its best starts alone: from every one that takes as long as all the rest.
     """
     pairs = best_of(tried, 2)
-    if not nearly_explains(pairs[0], tried[0]):
+    if not nearly_explains(pairs[0], tried[0]) or misfit(pairs[0]) > LITTLE_BESIDE:
         return []
     alone, values = alone_of(tried), values_alone(tried)
     near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * misfit(pairs[0])]
@@ -342,12 +349,17 @@ def other_laws(tried: Sequence[Candidate]) -> list[Work]:
 
 
 def jumps_that_gained(pair: Candidate, alone: Mapping[str, Candidate]) -> Iterator[tuple[str, str]]:
-    """Yield the other of two effects and the one that makes the stem jump, if it gains over the other alone."""
+    """Yield the other of two effects and the one that makes the stem jump, if they gain over either alone."""
     for other, jumping in (pair.effects, pair.effects[::-1]):
         first = effect_of_key(other)
         is_beside = effect_of_key(jumping).breakaway and not first.breakaway and not first.takes_long
-        if is_beside and other in alone and misfit(pair) < NO_GAIN * misfit(alone[other]):
+        if is_beside and other in alone and gains_by_both(pair, alone):
             yield other, jumping
+
+
+def gains_by_both(pair: Candidate, alone: Mapping[str, Candidate]) -> bool:
+    """Return whether two effects leave less than either of them alone: what gains nothing by one is the other."""
+    return all(misfit(pair) < NO_GAIN * misfit(alone[key]) for key in pair.effects if key in alone)
 
 
 def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
@@ -355,8 +367,8 @@ def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
 
     Where the jumps are left out a wrong form may come as near as the right one.
     """
-    best = best_of(tried, 2)[0]
-    if explains(best, tried[0]) or not is_blunt(best):
+    best = next(iter(best_of(tried, 2)), None)
+    if best is None or explains(best, tried[0]) or not is_blunt(best):
         return []
     values = {key: best.fit.model.effects[key] for key in best.effects if is_quick(key)}
     forms = [(key, form) for key in values for form in other_forms(effect_of_key(key), values[key])]
@@ -365,6 +377,8 @@ def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
 
 def with_jumps(alone: Sequence[Candidate], tried: Sequence[Candidate]) -> list[Work]:
     """Return what makes the stem jump of the best two effects, on top of others alone."""
+    if not alone:
+        return []
     jumping = [key for key in best_of(tried, 2)[0].effects if effect_of_key(key).breakaway]
     return [Work(each.fit, (*each.effects, key), True, is_thorough=True) for each in alone for key in jumping]
 

@@ -7,19 +7,21 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from diagnosis.alone import in_phase, library_for, try_first
-from diagnosis.explaining import AT_NOISE, misfit
+from diagnosis.explaining import AT_NOISE, explains, misfit
 from diagnosis.parts import evenly_parted, parted
 from diagnosis.score import score_fit
 from diagnosis.selection import select, try_together
 from diagnosis.stairs import on_stairs, stairs_beside
-from diagnosis.trying import Candidate, Progress
+from diagnosis.standing import best_of
+from diagnosis.trying import Candidate, Progress, scored
 from diagnosis.unrecorded import largest_error, with_unrecorded
 from identification.driving.between_rows import followed_anew, moving_between_rows
 from identification.driving.measured_current import as_set
 from identification.experiment import Experiment
-from identification.fit import Fit, fit_base
+from identification.fit import Fit, fit_base, fitted_to_all
 from identification.holdout import Holdout, hold_out
 from valvemodel.declarations import Effect
+from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 
 
@@ -110,5 +112,29 @@ class Search:
         if seen:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
-            tried = select(first, holdout, library, pool, progress)
+            known = explained_again(tried, first, holdout)
+            tried = select(first, holdout, library, pool, progress, known)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
+
+
+def explained_again(tried: Sequence[Candidate], base: Candidate, holdout: Holdout) -> list[Candidate]:
+    """Return the two effects beside which stairs showed, fitted as ones with stairs count, if they explain them.
+
+    With them comes each effect alone that took a global search: neither is searched for again.
+
+    Parameters
+    ----------
+    tried : sequence of Candidate
+        All that was tried on the record as it was.
+    base : Candidate
+        As the record counts now.
+    holdout : Holdout
+        Of that.
+    """
+
+    def again(cause: Candidate) -> Candidate:
+        return scored(cause.effects, fitted_to_all(cause.fit, holdout.experiments, holdout.fitted), holdout)
+
+    shown = again(best_of(tried, 2)[0])
+    searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
+    return [shown, *map(again, searched)] if explains(shown, base) else []

@@ -14,8 +14,10 @@ from diagnosis.proposals import (
     NO_GAIN,
     SHORTLIST,
     SHORTLIST_BACK,
+    SHORTLIST_FURTHER,
     exchanged,
     extensions,
+    gains_by_both,
     in_other_forms,
     jumps_anew,
     leaders_of,
@@ -29,6 +31,7 @@ from diagnosis.proposals import (
     with_jumps,
 )
 from diagnosis.standing import (
+    alone_of,
     best_of,
     blunt,
     breaks_away,
@@ -71,9 +74,12 @@ ALIAS_ROUNDS = 2
 BEGUN_AGAIN = 4
 """Best causes of two effects that begin again from the given valve's numbers where their mass is far off."""
 
-ALIASES_BEHIND = 10.0
+ALIASES_BEHIND = 4.0
 """Squared error over that of the best two effects from which those that differ by an alias are not searched about: of
-four in blind plants of our own that began 13 to 18 times as far none came nearer than 13 times."""
+sixteen in blind plants of our own that began further none came as near, by a factor of 3.3 at most."""
+
+RIVALS_BEHIND = 1.5
+"""The same where the best two explain the record: what is to be a rival must come as near."""
 
 LACKS_A_FORM = 5.0
 """Squared error, over what may be left, up to which the best two effects may lack but the right form. Of twelve blind
@@ -84,10 +90,18 @@ LOOKED_BACK = 2
 
 
 def select(
-    base: Candidate, holdout: Holdout, library: Sequence[Effect], pool: Executor | None, progress: Progress
+    base: Candidate,
+    holdout: Holdout,
+    library: Sequence[Effect],
+    pool: Executor | None,
+    progress: Progress,
+    known: Sequence[Candidate] = (),
 ) -> list[Candidate]:
-    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first."""
-    first = in_phase(try_first(base, holdout, library, pool, progress), holdout, pool, progress)
+    """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
+
+    Of causes that are known to explain the record none is looked for again.
+    """
+    first = in_phase(try_first(base, holdout, library, pool, progress, known), holdout, pool, progress)
     return try_together(first, holdout, pool, progress)
 
 
@@ -111,6 +125,9 @@ def try_together(
         order = [each for each in best_of(tried, size - 1) if is_worth_its_time(each, base)] or best_of(tried, size - 1)
         if not order or (size > 2 and any(effect_of_key(key).is_chaotic for key in order[0].effects)):
             break
+        if size == 2:
+            tried = in_right_form(tried, holdout, pool, progress)
+        formed = best_of(tried, 2)[:1]
         if size == 2 and not goes_in_jumps(order[0]):
             tried = with_better(tried, try_jointly(tried, holdout, pool, progress))
             tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
@@ -120,7 +137,7 @@ def try_together(
         if not best or not gains(best[0], order[0]):
             break
         if size == 2:
-            tried = with_kindred(tried, holdout, pool, progress)
+            tried = with_kindred(tried, holdout, pool, progress, formed)
         led = leading_pair(tried)
         tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), holdout, pool, progress))
         tried = exchanged_anew(tried, led, holdout, pool, progress)
@@ -186,8 +203,8 @@ def on_top_of_the_best(
     base, known = tried[0], list(tried)
     settles, single, size = partial(is_settled, base=base), values_alone(tried), len(order[0].effects) + 1
     leaders, what = leaders_of(order), f"{size} effects together"
-    for leader in leaders:
-        work = extensions([leader], known, single, SHORTLIST, pool)
+    for number, leader in enumerate(leaders):
+        work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, pool)
         # Readings in coarse steps tell less: what is not alike may come as near.
         until = settles if not is_read_off(leader) else never
         for part in (local(work), wide(work)):
@@ -209,12 +226,25 @@ def on_top_of_the_best(
     return known
 
 
-def with_kindred(
+def in_right_form(
     tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Return what was tried, with what makes the stem jump of the best two effects beside the other in other forms."""
+    alone = try_all(in_other_forms(tried), holdout, pool, progress, "effects in other forms")
+    return with_better(tried, try_all(with_jumps(alone, tried), holdout, pool, progress, "2 effects together"))
+
+
+def with_kindred(
+    tried: Sequence[Candidate],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    formed: Sequence[Candidate] = (),
 ) -> list[Candidate]:
     """Return what was tried, with the best two effects exchanged for their aliases, searched for anew and about.
 
-    Where these leave two effects out of reach nothing more is tried.
+    Where these leave two effects out of reach nothing more is tried. What was tried in other forms already is not once
+    more.
     """
     known, done = list(tried), set[frozenset[str]]()
     for _ in range(ALIAS_ROUNDS):
@@ -231,11 +261,11 @@ def with_kindred(
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
     known = with_better(known, try_all(jumps_anew(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
-    alone = try_all(in_other_forms(known), holdout, pool, progress, "effects in other forms")
-    known = with_better(known, try_all(with_jumps(alone, known), holdout, pool, progress, "2 effects together"))
+    if all(each.fit is not best_of(known, 2)[0].fit for each in formed):
+        known = in_right_form(known, holdout, pool, progress)
     known = exchanged_anew(known, led, holdout, pool, progress)
     known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
-    for choice_of in (partial(best_of, size=2), aliases_of_best):
+    for choice_of in (two_that_gain, aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
     return known
 
@@ -257,7 +287,7 @@ def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:
     """Return the best causes of two effects, if nothing explains the record, whose fit moved the mass far off."""
     if any_explains(tried):
         return []
-    return [each for each in best_of(tried, 2)[:BEGUN_AGAIN] if is_far_off(each.fit)]
+    return [each for each in two_that_gain(tried)[:BEGUN_AGAIN] if is_far_off(each.fit)]
 
 
 def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
@@ -268,7 +298,7 @@ def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:
     """
     if any_explains(tried):
         return []
-    near = [each for each in best_of(tried, 2)[:LEADERS] if misfit(each) < LACKS_A_FORM * allowed(tried[0])]
+    near = [each for each in two_that_gain(tried)[:LEADERS] if misfit(each) < LACKS_A_FORM * allowed(tried[0])]
     return [each for each in near if not (breaks_away(each) or has_read_off(each))]
 
 
@@ -303,8 +333,18 @@ def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[W
     return local(work) if any_explains(tried) else list(work)
 
 
+def two_that_gain(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes of two effects that leave less than either of these alone, the best first."""
+    alone = alone_of(tried)
+    return [each for each in best_of(tried, 2) if gains_by_both(each, alone)]
+
+
 def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that come near the best one and differ from it by an alias, the best first."""
-    best, *others = best_of(tried, 2)
-    near = [each for each in others if misfit(each) < ALIASES_BEHIND * misfit(best)]
+    """Return the causes of two effects that come near the best one and differ from it by an alias, the best first.
+
+    Where that explains the record they must come nearer, to be rivals.
+    """
+    best, others = best_of(tried, 2)[0], two_that_gain(tried)
+    behind = RIVALS_BEHIND if explains(best, tried[0]) else ALIASES_BEHIND
+    near = [each for each in others if misfit(each) < behind * misfit(best)]
     return [each for each in near if differ_by_aliases(each.effects, best.effects)]

@@ -127,8 +127,10 @@ def finished(problem: Problem, found: Found) -> Fit:
 
 
 @threadpool_limits.wrap(limits=1)
-def fitted_to_all(fit: Fit, experiments: Sequence[Experiment], *, starts_anew: bool = False) -> Fit:
-    """Fit the unknowns of a fit once more, to all that was measured, from where they are.
+def fitted_to_all(
+    fit: Fit, experiments: Sequence[Experiment], used: Masks | None = None, *, starts_anew: bool = False
+) -> Fit:
+    """Fit the unknowns of a fit once more, to all that was measured or what is used, from where they are.
 
     The start positions are those of its own experiments, in their order, or begin anew at the first readings.
     """
@@ -141,7 +143,7 @@ def fitted_to_all(fit: Fit, experiments: Sequence[Experiment], *, starts_anew: b
         fit.problem,
         experiments=experiments,
         unknowns=[unknown for unknown, _ in kept],
-        used=measured(experiments),
+        used=used or measured(experiments),
     )
     point = np.array([x for _, x in kept])
     return finished(problem, descend(problem, point, evaluations=REFIT_EVALUATIONS, precision=REFIT_PRECISION))

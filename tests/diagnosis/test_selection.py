@@ -809,3 +809,84 @@ def test_aliases_of_two_effects_that_lead_only_after_a_look_back_are_tried_too(m
     led = frozenset({"supply_droop", "gap_drift" if is_another else "linkage_nonlinearity"})
     known = selection.exchanged_anew(tried, led, None, None, None)
     assert [each.effects for each in known[3:]] == ([asked.effects] if is_another else [])
+
+
+def test_two_effects_that_leave_what_one_of_them_leaves_are_that_one():
+    """A fast cylinder beside Stribeck friction left what that did alone: 100 s were spent about it in vain."""
+    tried = [
+        candidate(90.0),
+        candidate(3.2, "stribeck"),
+        candidate(60.0, "chamber_filling"),
+        candidate(9.0, "end_stop"),
+    ]
+    idle, both = candidate(3.15, "stribeck", "chamber_filling"), candidate(2.0, "end_stop", "stribeck")
+    assert selection.two_that_gain([*tried, idle, both]) == [both]
+    assert selection.two_that_gain([*tried, idle]) == []
+    for proposed in (proposals.jumps_anew, proposals.other_laws):
+        assert {key for each in proposed([*tried, idle, both]) for key in each.effects} <= {
+            "end_stop",
+            "stribeck",
+            "static_friction",
+        }
+
+
+@pytest.mark.parametrize(
+    ("best", "behind", "is_near"),
+    [(1.2, 1.4, True), (1.2, 1.6, False), (1.2, 3.9, False), (2.0, 3.9, True), (2.0, 4.1, False)],
+)
+def test_aliases_of_the_best_two_are_searched_about_where_they_may_come_as_near(best, behind, is_near):
+    tried = [
+        candidate(40.0),
+        candidate(30.0, "coil_lag"),
+        candidate(35.0, "static_friction"),
+        candidate(32.0, "stribeck"),
+    ]
+    alias, other = (candidate(best * behind, *each) for each in (("coil_lag", "stribeck"), ("coil_lag", "end_stop")))
+    found = selection.aliases_of_best([*tried, candidate(best, "coil_lag", "static_friction"), alias, other])
+    assert found == [alias] * is_near
+
+
+def test_an_effect_of_one_form_is_not_searched_for_in_another(monkeypatch):
+    pair, asked = candidate(2.0, "sensor_lag", "end_stop"), []
+    monkeypatch.setattr(trying, "reduced", lambda fit, key: fit)
+    monkeypatch.setattr(trying, "try_effect", lambda work, holdout: asked.append(work.effects) or candidate(1.0))
+    assert trying.try_anew(pair, "sensor_lag", None) is pair
+    assert trying.try_anew(pair, "end_stop", None) is not pair
+    assert asked == [("sensor_lag", "end_stop")]
+
+
+@pytest.mark.parametrize(("left", "is_asked"), [(5.0, True), (6.0, False)])
+def test_what_jumps_alone_is_searched_about_where_it_may_explain_the_record(monkeypatch, left, is_asked):
+    alone, asked = [candidate(40.0), candidate(left, "static_friction"), candidate(38.0, "coil_lag")], []
+    monkeypatch.setattr(singles, "stops_seen", lambda fit: False)
+    monkeypatch.setattr(singles, "try_all", lambda *_: [])
+    monkeypatch.setattr(singles, "sharpen_all", lambda causes, *_: asked.extend(causes) or [])
+    for name, made in (("try_by_promise", alone), ("try_widely", alone), ("beside_slips", []), ("nearly", [])):
+        monkeypatch.setattr(singles, name, lambda *_, made=made, **__: made)
+    singles.try_first(alone[0], None, [], None, None)
+    assert asked == alone[1:2] * is_asked
+
+
+@pytest.mark.parametrize("in_form", [1.1, 4.0])
+def test_the_right_form_beside_jumps_is_looked_for_before_what_comes_on_top_of_one_effect(monkeypatch, in_form):
+    """It was, after as much time as all that went before, and what came on top of one effect was in vain."""
+    single, pair = candidate(20.0, "linkage_nonlinearity"), candidate(5.0, "linkage_nonlinearity", "static_friction")
+    asked: list[object] = []
+    monkeypatch.setattr(selection, "in_other_forms", lambda tried: asked.append("forms") or [])
+    monkeypatch.setattr(selection, "with_jumps", lambda alone, tried: ["other form"])
+    monkeypatch.setattr(
+        selection,
+        "try_all",
+        lambda work, *_: [candidate(in_form, *pair.effects)] if list(work) == ["other form"] else [],
+    )
+    monkeypatch.setattr(selection, "try_jointly", lambda *_: [])
+    monkeypatch.setattr(selection, "on_top_of_the_best", lambda tried, *_: asked.append("on top") or list(tried))
+    monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
+    monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
+    rules = ("exchanged", "on_what_stays", "near_misses", "worth_beginning_again", "jumps_anew", "other_laws")
+    for rule in (*rules, "nearly_together"):
+        monkeypatch.setattr(selection, rule, lambda *_: [])
+    found = selection.try_together([candidate(90.0), single, pair], None, None, lambda what, share: None)
+    assert min(each.score.misfit for each in found) == min(in_form, 5.0)
+    assert asked.count("forms") == 1, "not once more where nothing has changed"
+    assert ("on top" in asked) == (in_form > 2.0)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnosis import searching
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnosing import order_of, verdict_of
 from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
@@ -267,6 +268,31 @@ def test_stairs_that_another_effect_hides_are_seen_beside_it(given, sticking, al
         assert tempered.problem.experiments == parted.experiments
         assert parted.kept == 0
         assert stairs_beside(tried, [stepped], parted, given) is None
+
+
+@pytest.mark.parametrize(("left", "is_known"), [(1.2, True), (9.0, False)])
+def test_two_effects_beside_which_stairs_showed_are_not_searched_for_again_where_they_explain(
+    given, sticking, monkeypatch, left, is_known
+):
+    """All that went before had been done once more, for three times as long: their fit led there at once."""
+    base = base_of(given, sticking)
+    tried = [
+        Candidate(effects, base, score_of(*[misfit] * 6))
+        for effects, misfit in (
+            ((), 100.0),
+            (("load_force",), 30.0),
+            (("static_friction",), 95.0),
+            (("load_force", "static_friction"), 2.0),
+            (("load_force", "stribeck"), 6.0),
+        )
+    ]
+    fitted = []
+    monkeypatch.setattr(searching, "fitted_to_all", lambda fit, *parts: fitted.append(parts) or fit)
+    monkeypatch.setattr(searching, "scored", lambda effects, fit, _: Candidate(effects, fit, score_of(*[left] * 6)))
+    holdout = hold_out([sticking], kept=0)
+    known = searching.explained_again(tried, tried[0], holdout)
+    assert [each.effects for each in known] == [("load_force", "static_friction"), ("static_friction",)] * is_known
+    assert all(parts == (holdout.experiments, holdout.fitted) for parts in fitted)
 
 
 def test_an_unknown_cause_is_never_certain(quiet, refitted):
