@@ -75,8 +75,8 @@ BEGUN_AGAIN = 4
 """Best causes of two effects that begin again from the given valve's numbers where their mass is far off."""
 
 ALIASES_BEHIND = 4.0
-"""Squared error over that of the best two effects from which those that differ by an alias are not searched about: of
-sixteen in blind plants of our own that began further none came as near, by a factor of 3.3 at most."""
+"""Squared error over that of the best two effects from which others are not searched about: of sixteen in blind plants
+of our own that began further none came as near, by a factor of 3.3 at most."""
 
 RIVALS_BEHIND = 1.5
 """The same where the best two explain the record: what is to be a rival must come as near."""
@@ -265,7 +265,7 @@ def with_kindred(
         known = in_right_form(known, holdout, pool, progress)
     known = exchanged_anew(known, led, holdout, pool, progress)
     known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
-    for choice_of in (two_that_gain, aliases_of_best):
+    for choice_of in (rivals_of_best, aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
     return known
 
@@ -339,12 +339,14 @@ def two_that_gain(tried: Sequence[Candidate]) -> list[Candidate]:
     return [each for each in best_of(tried, 2) if gains_by_both(each, alone)]
 
 
-def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that come near the best one and differ from it by an alias, the best first.
-
-    Where that explains the record they must come nearer, to be rivals.
-    """
-    best, others = best_of(tried, 2)[0], two_that_gain(tried)
+def rivals_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes of two effects that gain by both and may come as near as the best one, which is the first."""
+    best = best_of(tried, 2)[0]
     behind = RIVALS_BEHIND if explains(best, tried[0]) else ALIASES_BEHIND
-    near = [each for each in others if misfit(each) < behind * misfit(best)]
-    return [each for each in near if differ_by_aliases(each.effects, best.effects)]
+    return [each for each in two_that_gain(tried) if misfit(each) < behind * misfit(best)]
+
+
+def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return those of them that differ from the best one by an alias."""
+    best = best_of(tried, 2)[0]
+    return [each for each in rivals_of_best(tried) if differ_by_aliases(each.effects, best.effects)]

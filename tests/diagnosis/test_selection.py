@@ -842,8 +842,10 @@ def test_aliases_of_the_best_two_are_searched_about_where_they_may_come_as_near(
         candidate(32.0, "stribeck"),
     ]
     alias, other = (candidate(best * behind, *each) for each in (("coil_lag", "stribeck"), ("coil_lag", "end_stop")))
-    found = selection.aliases_of_best([*tried, candidate(best, "coil_lag", "static_friction"), alias, other])
-    assert found == [alias] * is_near
+    nearest = candidate(best, "coil_lag", "static_friction")
+    known = [*tried, nearest, alias, other]
+    assert selection.aliases_of_best(known) == [alias] * is_near
+    assert selection.rivals_of_best(known) == [nearest, *[alias, other] * is_near]
 
 
 def test_an_effect_of_one_form_is_not_searched_for_in_another(monkeypatch):
