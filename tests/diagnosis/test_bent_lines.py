@@ -231,6 +231,24 @@ def test_no_stairs_are_seen_where_the_line_is_straight(given):
     assert not bends_to_stairs(base, [effect_of_key("coil_lag")], None, lambda *what: None)
 
 
+@pytest.mark.parametrize(("bent", "afresh"), [(3.0, ["coil_lag"]), (20.0, ["coil_lag", "gap_drift"])])
+def test_lines_are_laid_afresh_with_what_bends_them_already_or_with_all(monkeypatch, bent, afresh):
+    def laid(effect, error):
+        return SimpleNamespace(effect=effect, line=SimpleNamespace(error=error, is_explained=error <= 1.0))
+
+    asked, errors = [], {"coil_lag": bent, "gap_drift": 25.0}
+    monkeypatch.setattr(slips, "bent_line", lambda base, line, effect: laid(effect, errors[effect.key]))
+    monkeypatch.setattr(slips, "bent_afresh", lambda base, line, effect: asked.append(effect.key) or laid(effect, 0.5))
+    straight, effects = SimpleNamespace(error=100.0, is_explained=False), [effect_of_key(key) for key in errors]
+    found = bent_lines(None, straight, effects, None, lambda *what: None, is_thorough=True)
+    assert asked == afresh
+    assert found[0].line.error == 0.5
+    asked.clear()
+    errors["gap_drift"] = 0.9
+    bent_lines(None, straight, effects, None, lambda *what: None, is_thorough=True)
+    assert asked == [], "one explains the breakaways"
+
+
 def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     """Each of three brings the breakaways onto a line; how far a slip goes tells the plant's from the others."""
     _, _, base = plant_and_base(given, 9409, "asymmetric_friction", "static_friction")
