@@ -105,7 +105,7 @@ def equation_picture(name: str, equation: str) -> str:
 
 
 def _roman(words: str) -> str:
-    return r"\ \mathrm{" + words.strip().replace(" ", r"\ ") + "}"
+    return r"\ \mathrm{" + words.strip().replace(" ", r"\ ") + "}" + (r"\ " if words.endswith(" ") else "")
 
 
 def _inline(markup: str, name: str, *, keeps_size: bool = False) -> str:
