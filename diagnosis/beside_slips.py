@@ -168,8 +168,8 @@ def bent_lines(
 ) -> list[BentLine]:
     """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first.
 
-    A search that `is_thorough` lays lines afresh from the valve as it was given where they lie on none, with the effects
-    that bend it already or else with all.
+    A search that `is_thorough` lays lines afresh from the valve as it was given where they lie on none: with those
+    effects that bend it already, or else with all.
     """
     laid = [each for each in lines_with(bent_line, base, line, effects, pool, progress) if each is not None]
     if is_thorough and not (line.is_explained or any(each.line.is_explained for each in laid)):
