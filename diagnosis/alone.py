@@ -77,9 +77,9 @@ def try_first(
 ) -> list[Candidate]:
     """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways.
 
-    Beside causes that are known to explain the record only what a local search finds is tried.
     Where that leaves no trace beside another, the other alone had ended beside the least error. Where the stops are of
-    a coarse reading nothing speaks for jumps.
+    a coarse reading nothing speaks for jumps. Beside causes that are known to explain the record only what a local
+    search finds is tried.
     """
     local, *searched = rounds(library)
     alone = [*try_by_promise(base, holdout, local, pool, progress), *known]

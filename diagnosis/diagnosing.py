@@ -235,8 +235,11 @@ class Diagnosis(Told):
 
         return evidence_of(self)
 
-    def write(self, folder: Path) -> dict[str, Path]:
-        """Write diagnosis.json, base.json, model.json and report.html, and return their places."""
+    def write(self, folder: Path, *, jobs: int | None = 1) -> dict[str, Path]:
+        """Write diagnosis.json, base.json, model.json and report.html, and return their places.
+
+        So many processes draw at the same time; None is one a core.
+        """
         from diagnosis.report import write_page
 
         folder = make_folder(folder)
@@ -245,7 +248,7 @@ class Diagnosis(Told):
         write_json(places["diagnosis.json"], content)
         self.base.model.write(places["base.json"])
         self.found.model.write(places["model.json"])
-        write_page(places["report.html"], content, self.evidence())
+        write_page(places["report.html"], content, self.evidence(), jobs=jobs)
         return places
 
 
@@ -276,11 +279,9 @@ def diagnose_with(
     notes = said_of_motion(notes, experiments, held) + said_of_current(experiments)
     first = searched.tried[0]
     whole_base = fitted_to_all(base, experiments)
-    # What these find is asked for below: they take the cores that are left over.
-    stage_gaps, likeness = (
-        begun(pool, where_of, experiments, whole_base),
-        begun(pool, confusability, whole_base, library),
-    )
+    # What these find is asked for below: they are done beside what is looked at and fitted here.
+    gaps = begun(pool, where_of, experiments, whole_base)
+    likeness = begun(pool, confusability, whole_base, library)
     shams = begun(pool, shams_on, first, holdout)
     tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
     floors = floors_of(tried, holdout)
@@ -301,7 +302,7 @@ def diagnose_with(
     told = estimates(whole)
     causes[0] = replace(with_parameters(causes[0], whole, told), hiding=hiding)
     found = (whole, told) if verdict == "effect" else (whole_base, estimates(whole_base))
-    where = stage_gaps()
+    where = gaps()
     if verdict == "unknown":
         progress("asking each stage what its own signals explain", 0.95)
         where = where.with_own_signals(pool)

@@ -42,7 +42,7 @@ LEADERS = 2
 """Best causes that are tried with one more effect."""
 
 SHORTLIST, SHORTLIST_BACK = 6, 4
-"""Effects that are tried on top of each leader, and when looking backwards, by what they promise on its residual."""
+"""Effects that are tried on top of the leader, and when looking backwards, by what they promise on its residual."""
 
 SHORTLIST_FURTHER = 2
 """The same on top of the second leader: of a hundred that were tried there in blind plants of our own none gained."""
@@ -295,7 +295,7 @@ def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[C
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
-    """Return the best two effects that nearly explain the record, as work from every start in either order.
+    """Return the best two effects that nearly explain the record and leave little, from every start in either order.
 
     What is dear to run is searched for from its best starts alone: from every one that takes as long as all the rest.
     """
@@ -358,7 +358,7 @@ def jumps_that_gained(pair: Candidate, alone: Mapping[str, Candidate]) -> Iterat
 
 
 def gains_by_both(pair: Candidate, alone: Mapping[str, Candidate]) -> bool:
-    """Return whether two effects leave less than either of them alone: what gains nothing by one is the other."""
+    """Return whether two effects leave less, by a tenth, than either alone: what gains nothing by one is the other."""
     return all(misfit(pair) < NO_GAIN * misfit(alone[key]) for key in pair.effects if key in alone)
 
 
@@ -368,7 +368,7 @@ def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
     Where the jumps are left out a wrong form may come as near as the right one.
     """
     best = next(iter(best_of(tried, 2)), None)
-    if best is None or explains(best, tried[0]) or not is_blunt(best):
+    if best is None or explains(best, tried[0]) or not is_blunt(best) or not gains_by_both(best, alone_of(tried)):
         return []
     values = {key: best.fit.model.effects[key] for key in best.effects if is_quick(key)}
     forms = [(key, form) for key in values for form in other_forms(effect_of_key(key), values[key])]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 from diagnosis.alone import in_phase, library_for, try_first
 from diagnosis.explaining import AT_NOISE, explains, misfit
@@ -12,7 +13,7 @@ from diagnosis.parts import evenly_parted, parted
 from diagnosis.score import score_fit
 from diagnosis.selection import select, try_together
 from diagnosis.stairs import on_stairs, stairs_beside
-from diagnosis.standing import best_of
+from diagnosis.standing import NEAR_THE_BEST, best_of
 from diagnosis.trying import Candidate, Progress, scored
 from diagnosis.unrecorded import largest_error, with_unrecorded
 from identification.driving.between_rows import followed_anew, moving_between_rows
@@ -112,15 +113,17 @@ class Search:
         if seen:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
-            known = explained_again(tried, first, holdout)
+            known = explained_again(tried, first, holdout, pool)
             tried = select(first, holdout, library, pool, progress, known)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
 
 
-def explained_again(tried: Sequence[Candidate], base: Candidate, holdout: Holdout) -> list[Candidate]:
+def explained_again(
+    tried: Sequence[Candidate], base: Candidate, holdout: Holdout, pool: Executor | None
+) -> list[Candidate]:
     """Return the two effects beside which stairs showed, fitted as ones with stairs count, if they explain them.
 
-    With them comes each effect alone that took a global search: neither is searched for again.
+    With them come the pairs that were near, and each effect alone that took a global search: none is searched again.
 
     Parameters
     ----------
@@ -130,11 +133,15 @@ def explained_again(tried: Sequence[Candidate], base: Candidate, holdout: Holdou
         As the record counts now.
     holdout : Holdout
         Of that.
+    pool : Executor or None
     """
-
-    def again(cause: Candidate) -> Candidate:
-        return scored(cause.effects, fitted_to_all(cause.fit, holdout.experiments, holdout.fitted), holdout)
-
-    shown = again(best_of(tried, 2)[0])
+    pairs = best_of(tried, 2)
+    near = [each for each in pairs if misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
     searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
-    return [shown, *map(again, searched)] if explains(shown, base) else []
+    found = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
+    return found if explains(found[0], base) else []
+
+
+def fitted_again(cause: Candidate, holdout: Holdout) -> Candidate:
+    """Fit the numbers of a cause once more, to the parts of other experiments, and score it."""
+    return scored(cause.effects, fitted_to_all(cause.fit, holdout.experiments, holdout.fitted), holdout)

@@ -99,7 +99,7 @@ def select(
 ) -> list[Candidate]:
     """Try every effect alone, then further effects on top of the best, and return all that was tried, base first.
 
-    Of causes that are known to explain the record none is looked for again.
+    Where causes are known that explain the record only what a local search finds is tried beside them.
     """
     first = in_phase(try_first(base, holdout, library, pool, progress, known), holdout, pool, progress)
     return try_together(first, holdout, pool, progress)
@@ -261,7 +261,8 @@ def with_kindred(
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
     known = with_better(known, try_all(jumps_anew(known), holdout, pool, progress, "2 effects together"))
     known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
-    if all(each.fit is not best_of(known, 2)[0].fit for each in formed):
+    best = best_of(known, 2)[0]
+    if all((each.effects, misfit(each)) != (best.effects, misfit(best)) for each in formed):
         known = in_right_form(known, holdout, pool, progress)
     known = exchanged_anew(known, led, holdout, pool, progress)
     known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
@@ -334,19 +335,19 @@ def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[W
 
 
 def two_that_gain(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that leave less than either of these alone, the best first."""
+    """Return the causes of two effects that leave less, by a tenth, than either of these alone, the best first."""
     alone = alone_of(tried)
     return [each for each in best_of(tried, 2) if gains_by_both(each, alone)]
 
 
 def rivals_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that gain by both and may come as near as the best one, which is the first."""
+    """Return the causes of two effects that gain by both and may come as near as the best one, that included."""
     best = best_of(tried, 2)[0]
     behind = RIVALS_BEHIND if explains(best, tried[0]) else ALIASES_BEHIND
     return [each for each in two_that_gain(tried) if misfit(each) < behind * misfit(best)]
 
 
 def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return those of them that differ from the best one by an alias."""
+    """Return those of the best two effects' rivals that differ from it by an alias."""
     best = best_of(tried, 2)[0]
     return [each for each in rivals_of_best(tried) if differ_by_aliases(each.effects, best.effects)]

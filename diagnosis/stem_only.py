@@ -134,8 +134,11 @@ class StemOnlyDiagnosis(Told):
         """Return what the pictures show."""
         return evidence_of(self)
 
-    def write(self, folder: Path) -> dict[str, Path]:
-        """Write diagnosis.json, base.json, model.json and report.html, and return their places."""
+    def write(self, folder: Path, *, jobs: int | None = 1) -> dict[str, Path]:
+        """Write diagnosis.json, base.json, model.json and report.html, and return their places.
+
+        So many processes draw at the same time; None is one a core.
+        """
         from diagnosis.report import write_page
 
         folder = make_folder(folder)
@@ -144,7 +147,7 @@ class StemOnlyDiagnosis(Told):
         write_json(places["diagnosis.json"], content)
         self.base.write(places["base.json"])
         self.found.write(places["model.json"])
-        write_page(places["report.html"], content, self.evidence())
+        write_page(places["report.html"], content, self.evidence(), jobs=jobs)
         return places
 
 

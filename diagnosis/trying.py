@@ -153,13 +153,10 @@ def take_out(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
     """Take an effect out of a cause, fit the others from where they are, and search for it on top of them again.
 
-    Beside others that are fitted well another form of it may be the right one: unless it has but one, or was searched
-    for on top of them in all.
+    Beside others that are fitted well another form of it may be the right one.
     """
     known = dict(candidate.fit.model.effects[key])
     others = tuple(each for each in candidate.effects if each != key)
-    if effect_of_key(key).has_one_form or (*others, key) in candidate.orders:
-        return candidate
     return try_effect(Work(reduced(candidate.fit, key), (*others, key), False, known), holdout)
 
 

@@ -116,7 +116,7 @@ class Slopes:
 
 
 class Turned:
-    """The residuals of a search and their derivative, turned so that all but as many as there are unknowns are zero.
+    """The residuals of a search and their derivative, turned so that no more of them count than unknowns, and one.
 
     Sums of squares and what the slopes say of them stay, and a step takes no decomposition of all residuals.
     """
@@ -136,7 +136,9 @@ class Turned:
         columns = np.vstack([self.slopes.known[point.tobytes()], slopes.T]).T
         triangle = np.asarray(np.linalg.qr(columns, mode="r"))
         triangle[0] *= np.copysign(1.0, triangle[0, 0])
-        return triangle[:, 1:]
+        turned = np.zeros((len(point) + 1, len(point)))
+        turned[: len(triangle)] = triangle[:, 1:]
+        return turned
 
 
 class Residuals(Protocol):

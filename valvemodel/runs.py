@@ -176,7 +176,7 @@ def errors_along(readings, measured, places, noise, slack, reach, lost, errors, 
     reach : float [noise]
         As for `score_rows`.
     lost : float [noise]
-        What counts in place of what is no number.
+        What counts in place of what is no number; NaN leaves it as it is.
     errors : array, shape (n, more)
         Filled from a column `first` on.
     """
@@ -189,7 +189,7 @@ def errors_along(readings, measured, places, noise, slack, reach, lost, errors, 
             error *= per_noise
             if not math.isinf(reach):
                 error = math.copysign(math.sqrt(tempered_square(error, reach)), error)
-            errors[row, first + each] = error if math.isfinite(error) else lost
+            errors[row, first + each] = error if math.isfinite(error) or math.isnan(lost) else lost
 
 
 @compiled

@@ -23,7 +23,7 @@ _SHOWN_RECORDS = 3
 """Records with pictures; more would make the page heavy and tell the same again."""
 
 
-def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
+def render_page(diagnosis: Mapping[str, Any], evidence: Evidence, *, jobs: int | None = 1) -> str:
     """Return the report as one self-contained page of HTML.
 
     Parameters
@@ -32,12 +32,14 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
         The content of `diagnosis.json`.
     evidence : Evidence
         The data behind the pictures.
+    jobs : int or None
+        Processes that draw at the same time; None for one a core.
     """
     import matplotlib.figure  # noqa: F401  Here, not once in each process.
 
     answer = make_answer(diagnosis, evidence.warnings)
     cause = pictures.cause_label(diagnosis)
-    with workers() as pool:
+    with workers(jobs) as pool:
         # The dearest first.
         heat_map = begun(pool, pictures.heat_map, diagnosis.get("confusability"))
         records = [
@@ -65,15 +67,15 @@ def render_page(diagnosis: Mapping[str, Any], evidence: Evidence) -> str:
     return printable(page)
 
 
-def write_page(path: str | Path, diagnosis: Mapping[str, Any], evidence: Evidence) -> None:
-    """Write the report.
+def write_page(path: str | Path, diagnosis: Mapping[str, Any], evidence: Evidence, *, jobs: int | None = 1) -> None:
+    """Write the report, as `render_page` does.
 
     Raises
     ------
     InputError
         If the folder does not exist or cannot be written.
     """
-    write_text(Path(path), render_page(diagnosis, evidence))
+    write_text(Path(path), render_page(diagnosis, evidence, jobs=jobs))
 
 
 @cache

@@ -818,10 +818,13 @@ def test_two_effects_that_leave_what_one_of_them_leaves_are_that_one():
         candidate(3.2, "stribeck"),
         candidate(60.0, "chamber_filling"),
         candidate(9.0, "end_stop"),
+        candidate(50.0, "static_friction"),
     ]
     idle, both = candidate(3.15, "stribeck", "chamber_filling"), candidate(2.0, "end_stop", "stribeck")
     assert selection.two_that_gain([*tried, idle, both]) == [both]
-    assert selection.two_that_gain([*tried, idle]) == []
+    assert selection.two_that_gain([*tried, idle]) == selection.rivals_of_best([*tried, idle]) == []
+    assert proposals.in_other_forms([*tried, idle]) == []
+    assert {each.effects for each in proposals.other_laws([*tried, idle, both])} >= {("end_stop", "static_friction")}
     for proposed in (proposals.jumps_anew, proposals.other_laws):
         assert {key for each in proposed([*tried, idle, both]) for key in each.effects} <= {
             "end_stop",
@@ -846,15 +849,6 @@ def test_aliases_of_the_best_two_are_searched_about_where_they_may_come_as_near(
     known = [*tried, nearest, alias, other]
     assert selection.aliases_of_best(known) == [alias] * is_near
     assert selection.rivals_of_best(known) == [nearest, *[alias, other] * is_near]
-
-
-def test_an_effect_of_one_form_is_not_searched_for_in_another(monkeypatch):
-    pair, asked = candidate(2.0, "sensor_lag", "end_stop"), []
-    monkeypatch.setattr(trying, "reduced", lambda fit, key: fit)
-    monkeypatch.setattr(trying, "try_effect", lambda work, holdout: asked.append(work.effects) or candidate(1.0))
-    assert trying.try_anew(pair, "sensor_lag", None) is pair
-    assert trying.try_anew(pair, "end_stop", None) is not pair
-    assert asked == [("sensor_lag", "end_stop")]
 
 
 @pytest.mark.parametrize(("left", "is_asked"), [(5.0, True), (6.0, False)])

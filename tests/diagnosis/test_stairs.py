@@ -283,15 +283,17 @@ def test_two_effects_beside_which_stairs_showed_are_not_searched_for_again_where
             (("load_force",), 30.0),
             (("static_friction",), 95.0),
             (("load_force", "static_friction"), 2.0),
-            (("load_force", "stribeck"), 6.0),
+            (("load_force", "stribeck"), 3.0),
+            (("friction_drift", "stribeck"), 6.0),
         )
     ]
     fitted = []
     monkeypatch.setattr(searching, "fitted_to_all", lambda fit, *parts: fitted.append(parts) or fit)
     monkeypatch.setattr(searching, "scored", lambda effects, fit, _: Candidate(effects, fit, score_of(*[left] * 6)))
     holdout = hold_out([sticking], kept=0)
-    known = searching.explained_again(tried, tried[0], holdout)
-    assert [each.effects for each in known] == [("load_force", "static_friction"), ("static_friction",)] * is_known
+    known = searching.explained_again(tried, tried[0], holdout, None)
+    pairs = [("load_force", "static_friction"), ("load_force", "stribeck")]
+    assert [each.effects for each in known] == [*pairs, ("static_friction",)] * is_known
     assert all(parts == (holdout.experiments, holdout.fitted) for parts in fitted)
 
 

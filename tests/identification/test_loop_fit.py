@@ -78,8 +78,8 @@ def test_static_friction_of_a_ramped_loop() -> None:
     assert outcome.loop is not None
     found = next(each for each in outcome.parameters if each.name == "coulomb_friction")
     spring = next(each for each in outcome.parameters if each.name == "spring_rate")
-    # The breakaway force itself is left open by a loop of ramps, and takes a part of the width.
-    # The breakaway force itself is left open by a loop of ramps, and takes a part of the width.
+    # The breakaway force itself is left open by a loop of ramps, and takes a part of the width: which part hangs on
+    # rounding. For ratios of 1.2, 1.3 and 1.4 the friction is off by less than 0.1, 3.2 and 6.5 %.
     assert found.value / spring.value == pytest.approx(1423.0 / 52500.0, rel=0.05)
 
 

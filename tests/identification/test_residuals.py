@@ -104,3 +104,22 @@ def test_residuals_that_are_all_zero_can_be_turned():
     assert not turned.residuals(np.ones(3)).any()
     triangle = turned.jacobian(np.ones(3))
     assert triangle.T @ triangle == pytest.approx(slopes.T @ slopes)
+
+
+def test_fewer_residuals_than_unknowns_can_be_turned():
+    slopes = np.random.default_rng(0).standard_normal((2, 3))
+    turned = Turned(Slopes(lambda point: np.array([3.0, 4.0]), lambda point, known: slopes, 1))
+    small, triangle = turned.residuals(np.ones(3)), turned.jacobian(np.ones(3))
+    assert (small[0], triangle.shape) == (5.0, (4, 3))
+    assert small @ triangle == pytest.approx(np.array([3.0, 4.0]) @ slopes)
+
+
+@pytest.mark.parametrize("off", [np.nan, np.inf])
+def test_errors_of_a_run_that_is_lost_stay_as_they_are(valve, off):
+    seen = experiment(valve, 1, with_pressure=False)
+    run = simulate_rows(seen, valve.rows(), tolerance=SEARCH_TOLERANCE)
+    run.smooth[0, 40] = off
+    errors = seen.errors_of(run)[0]
+    assert not np.isfinite(errors[40])
+    assert np.isnan(errors[40]) == np.isnan(off)
+    assert (np.isnan(errors) == np.isnan(seen.position))[np.arange(len(errors)) != 40].all()

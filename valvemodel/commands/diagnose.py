@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +91,7 @@ def diagnose(
         if limits is not None and next_file is not None:
             diagnosis = _with_next_experiment(diagnosis, limits, next_file, progress)
         progress("drawing the report", 0.95)
-        places = write_together(out, diagnosis.write)
+        places = write_together(out, partial(diagnosis.write, jobs=jobs))
         if next_file is not None:
             diagnosis.next_experiment.write(next_file)
     if as_json:
