@@ -42,7 +42,7 @@ def with_hidden(
     tried : sequence of Candidate
         The base first.
     holdout, pool, progress
-        As for `selection.select`.
+        As for `selection.try_together`.
 
     Returns
     -------

@@ -11,7 +11,7 @@ from diagnosis.alone import in_phase, library_for, try_first
 from diagnosis.explaining import AT_NOISE, explains, misfit
 from diagnosis.parts import evenly_parted, parted
 from diagnosis.score import score_fit
-from diagnosis.selection import select, try_together
+from diagnosis.selection import try_together
 from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.standing import NEAR_THE_BEST, best_of
 from diagnosis.trying import Candidate, Progress, scored
@@ -114,7 +114,9 @@ class Search:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
             known = explained_again(tried, first, holdout, pool)
-            tried = select(first, holdout, library, pool, progress, known)
+            tried = try_first(first, holdout, library, pool, progress, known)
+            for further in (in_phase, try_together):
+                tried = further(tried, holdout, pool, progress)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
 
 
@@ -138,8 +140,11 @@ def explained_again(
     pairs = best_of(tried, 2)
     near = [each for each in pairs if misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
     searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
-    found = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
-    return found if explains(found[0], base) else []
+    shown, *others = [*near, *searched]
+    found = fitted_again(shown, holdout)
+    if not explains(found, base):
+        return []
+    return [found, *(pool.map if pool else map)(partial(fitted_again, holdout=holdout), others)]
 
 
 def fitted_again(cause: Candidate, holdout: Holdout) -> Candidate:
