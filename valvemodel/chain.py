@@ -94,9 +94,8 @@ def start_chain(p, state, memory, drive, driven_by, time, tolerance):
     """Plan a run and put all stages at rest under the first drive; the stem where the start reading says, if any."""
     plan_run(p, state, memory, driven_by, tolerance)
     if driven_by == CURRENT:
-        rest_electromagnet(p, state, drive)
-        gap = gap_of_current(p, state.hysteresis_input, time)
-        rest_nozzle(p, state, gap, state.hysteresis_input)
+        effective = rest_electromagnet(p, state, drive)
+        rest_nozzle(p, state, gap_of_current(p, effective, time), effective)
     else:
         state.pressure = drive
     rest_parts(state, drive)

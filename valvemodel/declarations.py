@@ -34,7 +34,8 @@ class Parameter:
     numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
     came later than its effect: a file that does not name it means its typical value. `acts_in_time` marks one that
     a fit to settled loops keeps neutral, as their closed form is without it. `is_lag` marks a time by which what passes
-    is delayed: a base valve without it has so much more viscous friction.
+    is delayed: a base valve without it has so much more viscous friction. `is_start` marks where something stands as a
+    record begins: a number of the record, by which no effect stands in for another.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Parameter:
     is_later: bool = False
     acts_in_time: bool = False
     is_lag: bool = False
+    is_start: bool = False
 
     def __post_init__(self) -> None:
         assert self.name.isidentifier(), self.name

@@ -74,7 +74,7 @@ STATE = np.dtype(
             "shorter_lag_decay",
         )
     ]
-    + [("plays", "f8", (PLAYS,)), ("sliders", "f8", (SLIDERS,))]
+    + [("plays", "f8", (PLAYS,)), ("radii", "f8", (PLAYS,)), ("sliders", "f8", (SLIDERS,))]
 )  # fmt: skip
 """Type of the state that the compiled chain carries from period to period."""
 

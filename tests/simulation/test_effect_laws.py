@@ -37,6 +37,10 @@ ZERO_CREEP = {"sensor_drift_rate": 4e-4, "sensor_drift_time": 6.0, "sensor_drift
 LAWS = {
     "magnetic_hysteresis": (PLAYS, {"hysteresis_half_width": 0.0}),
     "bouc_wen": (BOUC_WEN, {"hysteresis_half_width": 0.0}),
+    "even_plays": ({**PLAYS, "play_evenness": 0.5}, {"hysteresis_half_width": 0.0}),
+    "one_play": ({**PLAYS, "play_evenness": 1.0}, {"hysteresis_half_width": 0.0}),
+    "behind_a_rise": ({**PLAYS, "hysteresis_start": 0.7}, {"hysteresis_half_width": 0.0}),
+    "behind_a_fall": ({**BOUC_WEN, "hysteresis_start": -0.7}, {"hysteresis_half_width": 0.0}),
     "chamber_filling": (GAS, {"chamber_filling_time": 0.0}),
     "laminar_filling": (LAMINAR, {"chamber_filling_time": 0.0}),
     "asymmetric_filling": (ORIFICES, {"fill_time": 0.0, "vent_time": 0.0}),
@@ -50,6 +54,10 @@ LAWS = {
 
 EFFECT_OF = {
     "bouc_wen": "magnetic_hysteresis",
+    "even_plays": "magnetic_hysteresis",
+    "one_play": "magnetic_hysteresis",
+    "behind_a_rise": "magnetic_hysteresis",
+    "behind_a_fall": "magnetic_hysteresis",
     "gas_behind_orifices": "asymmetric_filling",
     "laminar_filling": "chamber_filling",
 }
@@ -209,6 +217,32 @@ def test_a_few_plays_are_as_good_as_thirty():
     )
     assert found < 0.03
     assert dahl > 0.1
+
+
+@pytest.mark.parametrize(("evenness", "most", "off"), [(0.5, 1.95, 0.03), (1.0, 1.0, 1e-9), (1.0 - 1e-4, 1.0, 1e-3)])
+def test_plays_are_spread_evenly_or_are_one(evenness, most, off):
+    """The independent plant's plays, 400 at equal distances up to nearly twice the mean and of equal weight, or one."""
+    _, current = draw_profile(1, duration=60.0, rate=50.0, kind="small")
+    half_width = 4e-4
+    radii = half_width * (np.array([1.0]) if most == 1.0 else np.linspace(0.0, most, 401)[1:])
+    expected = _plays(current, radii * half_width / radii.mean(), np.full(len(radii), 1.0 / len(radii)))
+    law = {"hysteresis_half_width": half_width, "hysteresis_roundness": 0.0, "return_point_memory": 1.0}
+    found, exponential = (
+        np.std(effective_current(current, **law, play_evenness=even) - expected) / np.std(current - expected)
+        for even in (evenness, 0.0)
+    )
+    assert found < off
+    assert exponential > 0.1
+
+
+@pytest.mark.parametrize("law", [PLAYS, {**PLAYS, "play_evenness": 0.5}, BOUC_WEN])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_core_that_starts_behind_a_long_stroke_goes_on_as_one_that_made_it(law, side):
+    turns = 12e-3 + side * np.array([-7e-3, 0.0])
+    after = stroke(*(12e-3 + side * np.array([0.0, -3e-3, 1e-3, -5e-3])))
+    whole = effective_current(np.concatenate([stroke(*turns)[:-1], after]), **law)[-len(after) :]
+    begun = effective_current(after, **law, hysteresis_start=side)
+    assert np.abs(begun - whole).max() < 1e-3 * law["hysteresis_half_width"]
 
 
 def pressure_after_steps(*currents: float, **values: float) -> tuple[np.ndarray, np.ndarray, list[float]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import exp, expm1, inf, log, log1p, sqrt, tanh
 from types import SimpleNamespace
 
@@ -9,20 +10,26 @@ from valvemodel.reference.instant import first_instant
 from valvemodel.reference.lags import answer_of_both
 
 PLAYS = 8
-"""Equal shares of an exponential density of half-widths."""
+"""Equal shares of a density of half-widths."""
 
 CUT = 3.0
-"""Where the density ends, in its scales."""
+"""Where an exponential density ends, in its scales; what is beyond it of others is left out as well."""
 
 
-def half_widths() -> list[float]:
-    """Return the mean half-width of each share over that of all."""
-    ends = [-log1p(share / PLAYS * expm1(-CUT)) for share in range(PLAYS + 1)]
-    upto = [1.0 - (1.0 + end) * exp(-end) for end in ends]
-    return [PLAYS * (upto[share + 1] - upto[share]) / upto[PLAYS] for share in range(PLAYS)]
+def half_widths(evenness: float) -> list[float]:
+    """Return the mean half-width of each share over that of all, by the integral of its quantiles."""
 
+    def upto(share: float) -> float:
+        left = 1.0 - share
+        if evenness == 0.0:
+            return share + left * log(left)
+        if evenness == 1.0:
+            return share
+        order = evenness / (1.0 - evenness)
+        return (share - (1.0 - left ** (order + 1.0)) / (order + 1.0)) / order
 
-HALF_WIDTHS = half_widths()
+    ends = [upto(-number / PLAYS * expm1(-CUT)) for number in range(PLAYS + 1)]
+    return [PLAYS * (end - begin) / ends[PLAYS] for begin, end in pairwise(ends)]
 
 
 Core = tuple[float, float, list[float]]
@@ -38,10 +45,12 @@ class Electromagnet:
         self.shorter, self.longer = sorted((numbers.coil_time_constant, numbers.eddy_time_constant))
         self.turn = inf
         magnetised = saturated(numbers, current)
-        self.core: Core = (magnetised, 0.0, [magnetised] * PLAYS)
+        scale, start = numbers.hysteresis_half_width * (1.0 + numbers.hysteresis_roundness), numbers.hysteresis_start
+        self.widths = [scale * half_width for half_width in half_widths(numbers.play_evenness)]
+        self.core: Core = (magnetised, start, [magnetised - start * width for width in self.widths])
         # What the lags follow: the current, or what the core makes of it at once.
         self.is_behind = numbers.lag_behind_core > 0.0
-        self.lagged = self.flux = self.held = magnetised if self.is_behind else current
+        self.lagged = self.flux = self.held = self.behind_loop(*self.core) if self.is_behind else current
 
     def hold(self, current: float) -> None:
         """Switch to a current."""
@@ -113,10 +122,9 @@ class Electromagnet:
 
     def plays_after(self, magnetising: float, plays: list[float]) -> list[float]:
         """Return where plays are then: each is dragged along at its half-width from the magnetising current. [A]"""
-        scale = self.numbers.hysteresis_half_width * (1.0 + self.numbers.hysteresis_roundness)
-        widths = [scale * half_width for half_width in HALF_WIDTHS]
         return [
-            min(max(play, magnetising - width), magnetising + width) for play, width in zip(plays, widths, strict=True)
+            min(max(play, magnetising - width), magnetising + width)
+            for play, width in zip(plays, self.widths, strict=True)
         ]
 
     def current_after(self, duration: float) -> float:

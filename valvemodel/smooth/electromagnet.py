@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import pairwise
 from typing import Any
 
 import casadi as ca
@@ -10,7 +11,7 @@ import casadi as ca
 from valvemodel.equations.symbolic import coil_gap
 from valvemodel.smooth.lags import SHORTEST_TIME, in_series, longer_and_shorter
 from valvemodel.smooth.rounding import Expression, dead_zone, magnitude, passed
-from valvemodel.stages.plays import PLAYS, RADII
+from valvemodel.stages.plays import LEAST_EVENNESS, PLAYS, SHARES
 
 LEAST_CURRENT = 1e-9
 """Keeps the slope of the root, and the loop's quotients at half-width 0, finite. [A]"""
@@ -32,16 +33,17 @@ def states_of(effects: Collection[str], *, has_eddies: bool, remembers: bool) ->
 
 
 def rest_electromagnet(p: Any, x: Any, current: Expression) -> Expression:
-    """Put the stage at rest under a current, in the middle of its hysteresis loop, and return that current. [A]"""
-    effective = saturate(p, current) if "magnetic_saturation" in p.effects else current
+    """Put the stage at rest under a current, where it starts in its loop; return what the flux stands for. [A]"""
+    magnetising = effective = saturate(p, current) if "magnetic_saturation" in p.effects else current
+    if "magnetic_hysteresis" in p.effects:
+        x.hysteresis_input, x.hysteresis = magnetising, p.hysteresis_start
+        effective = magnetising - p.hysteresis_half_width * p.hysteresis_start
     if "coil_lag" in p.effects:
         x.flux_current = effective if p.lags_behind_core else current
         if p.has_eddies:
             x.less_lagged_flux = x.flux_current
-    if "magnetic_hysteresis" in p.effects:
-        x.hysteresis_input, x.hysteresis = effective, 0.0
-    for name in PLAY_STATES if p.remembers else ():
-        setattr(x, name, effective)
+    for name, room in zip(PLAY_STATES, rooms_of_plays(p), strict=True) if p.remembers else ():
+        setattr(x, name, magnetising - p.hysteresis_start * room)
     return effective
 
 
@@ -120,14 +122,29 @@ def magnetise(p: Any, x: Any, current: Expression) -> Expression:
 
 def pull_plays(p: Any, x: Any, current: Expression) -> Expression:
     """Let the plays follow a current and return how far the flux is behind it by them. [A]"""
-    scale = ca.fmax(p.hysteresis_half_width, LEAST_CURRENT) * (1.0 + p.hysteresis_roundness)
     total = 0.0
-    for name, radius in zip(PLAY_STATES, RADII, strict=True):
+    for name, room in zip(PLAY_STATES, rooms_of_plays(p), strict=True):
         play = getattr(x, name)
-        play += dead_zone(current - play, scale * radius, scale * radius, scale * p.smoothing_share)
+        play += dead_zone(current - play, room, room, scale_of_plays(p) * p.smoothing_share)
         setattr(x, name, play)
         total += current - play
     return total / (PLAYS * (1.0 + p.hysteresis_roundness))
+
+
+def scale_of_plays(p: Any) -> Expression:
+    """Return the mean room of the plays either way. [A]"""
+    return ca.fmax(p.hysteresis_half_width, LEAST_CURRENT) * (1.0 + p.hysteresis_roundness)
+
+
+def rooms_of_plays(p: Any) -> list[Expression]:
+    """Return the mean rooms either way of equal shares of the plays, least first. [A]"""
+    even = ca.fmin(ca.fmax(p.play_evenness, LEAST_EVENNESS), 1.0 - LEAST_EVENNESS)
+    beyond = [1.0 - share for share in SHARES]
+    radii = [
+        (least - most) - (1.0 - even) * (least ** (1.0 / (1.0 - even)) - most ** (1.0 / (1.0 - even)))
+        for least, most in pairwise(beyond)
+    ]
+    return [scale_of_plays(p) * PLAYS * radius / sum(radii) for radius in radii]
 
 
 def crept(time: Expression, time_constant: Expression, is_logarithmic: Expression) -> Expression:

@@ -9,7 +9,7 @@ from valvemodel.declarations import Effect, Parameter, choice_of_law
 from valvemodel.equations import numeric
 from valvemodel.stages.creep import creep_parameters, crept
 from valvemodel.stages.lag import COIL_LAG, EDDY_LAG, in_series, longer_and_shorter, remembered_lag
-from valvemodel.stages.plays import lay_plays, place_among_plays, pull_plays, used_up
+from valvemodel.stages.plays import begin_plays, lay_plays, place_among_plays, pull_plays, used_up
 
 TURNED = 1e-9
 """Share of a part within which its end is the turn of the flux."""
@@ -33,8 +33,8 @@ EFFECTS = (
         ),
         source=(
             "Bouc (1967), Wen, J. Eng. Mech. Div. ASCE 102 (1976), exponent 1; with gamma = 0 Coleman and Hodgdon, J. "
-            "Appl. Phys. 63 (1988), the same curve as Dahl (1968); plays i_r of exponentially spread half-widths r: "
-            "Prandtl (1928), Ishlinskii (1944); Visintin, Models of Hysteresis (1994)"
+            "Appl. Phys. 63 (1988), the same curve as Dahl (1968); plays i_r of spread half-widths r: Prandtl (1928), "
+            "Ishlinskii (1944); Visintin, Models of Hysteresis (1994); spread as Pickands, Ann. Statist. 3 (1975)"
         ),
         parameters=(
             Parameter(
@@ -70,6 +70,33 @@ EFFECTS = (
                 "return_point_memory",
                 "0: Bouc and Wen's curve, which forgets where it turned; 1: plays, whose minor loops close",
             ),
+            Parameter(
+                "play_evenness",
+                "1",
+                "spread of the plays' half-widths, 0: exponential; 0.5: even, from none to twice the mean; 1: one play",
+                0.0,
+                1.0,
+                0.0,
+                (0.0, 0.5),
+                typical=0.0,
+                is_later=True,
+            ),
+            Parameter(
+                "hysteresis_start",
+                "1",
+                "z where the core starts: -1 behind a fall of the current, 1 behind a rise",
+                -1.0,
+                1.0,
+                0.0,
+                (0.0,),
+                is_later=True,
+                acts_in_time=True,
+                is_start=True,
+            ),
+        ),
+        laws=(
+            {"return_point_memory": 0.0, "play_evenness": 0.0},
+            {"return_point_memory": 1.0, "bouc_wen_gamma": 0.25},
         ),
         aliases=(
             "linkage_backlash",
@@ -364,11 +391,13 @@ def gap_of_current(p, current, time):
 
 @compiled
 def rest_electromagnet(p, state, current):
-    """Put the stage at rest under a current, in the middle of its hysteresis loop."""
+    """Put the stage at rest under a current, where it starts in its loop; return what the flux stands for. [A]"""
     state.hysteresis_input = saturate(p, current)
-    state.hysteresis = 0.0
-    state.plays[:] = state.hysteresis_input
+    state.hysteresis = p.hysteresis_start
+    if p.return_point_memory > 0.0:
+        begin_plays(p, state)
     state.flux_current = state.less_lagged_flux = followed_by_lags(p, state, current)
+    return advance_flux(p, state, current)
 
 
 coil_gap = inlined(numeric.coil_gap)

@@ -15,25 +15,50 @@ PLAYS = 8
 CUT = 3.0
 """Where the exponential density of the plays ends, in its scales: 5 % would lie beyond, but a core saturates."""
 
+SHARES = -np.arange(PLAYS + 1) / PLAYS * math.expm1(-CUT)
+"""Shares of the whole density below the ends of equal shares of what is kept of it."""
+
+LEAST_EVENNESS, ALIKE = 1e-6, 1.0 - 1e-9
+"""Evenness up to which the density is the exponential one, and from which on all plays are one."""
+
 TAKEN_UP = 1e-12
 """A play with less room is taken up. [A]"""
 
 
-def _radii() -> np.ndarray:
-    """Return the mean radii of equal shares of the density, least first; their own mean is 1."""
-    ends = -np.log1p(-np.arange(PLAYS + 1) / PLAYS * -math.expm1(-CUT))
-    moments = (ends + 1.0) * np.exp(-ends)
-    radii = moments[:-1] - moments[1:]
-    return radii / radii.mean()
+@compiled
+def lay_radii(p, radii):
+    """Fill in the mean radii of equal shares of the density, least first; their own mean is 1.
 
-
-RADII = _radii()
+    A share u of the plays has no more than a radius in proportion to 1 - (1 - u)^(e / (1 - e)), at an evenness e: an
+    exponential density in the limit of 0, an even one at 1/2, one radius at 1 (generalised Pareto distribution).
+    """
+    even = p.play_evenness
+    if even >= ALIKE:
+        radii[:] = 1.0
+        return
+    for index in range(PLAYS):
+        least, most = 1.0 - SHARES[index], 1.0 - SHARES[index + 1]
+        if even < LEAST_EVENNESS:
+            radii[index] = (least - least * math.log(least)) - (most - most * math.log(most))
+        else:
+            power = 1.0 / (1.0 - even)
+            radii[index] = (least - most) - (least**power - most**power) / power
+    radii *= PLAYS / radii.sum()
 
 
 @inlined
 def scale_of_plays(p):
     """Return the mean radius of the plays; what share of the flux is without a play makes up for it. [A]"""
     return p.hysteresis_half_width * (1.0 + p.hysteresis_roundness)
+
+
+@compiled
+def begin_plays(p, state):
+    """Put the plays where they start, all alike in their rooms."""
+    lay_radii(p, state.radii)
+    for index in range(PLAYS):
+        room = scale_of_plays(p) * state.radii[index]
+        state.plays[index] = state.hysteresis_input - p.hysteresis_start * room
 
 
 @inlined
@@ -47,7 +72,7 @@ def place_among_plays(p, state, current):
     """Return where in their common loop the plays are, -1..1, once the current has gone one way."""
     scale, total = scale_of_plays(p), 0.0
     for index in range(PLAYS):
-        total += current - play_after(state.plays[index], scale * RADII[index], current)
+        total += current - play_after(state.plays[index], scale * state.radii[index], current)
     return total / (PLAYS * scale)
 
 
@@ -56,7 +81,7 @@ def pull_plays(p, state, current):
     """Let the plays follow a current."""
     scale = scale_of_plays(p)
     for index in range(PLAYS):
-        state.plays[index] = play_after(state.plays[index], scale * RADII[index], current)
+        state.plays[index] = play_after(state.plays[index], scale * state.radii[index], current)
 
 
 @compiled
@@ -75,7 +100,7 @@ def next_taken_up(p, state, memory, count):
     currents, scale, room = memory.values, scale_of_plays(p), math.inf
     side = 1.0 if currents[count] > currents[0] else -1.0
     for index in range(PLAYS):
-        left = scale * RADII[index] - side * (currents[0] - state.plays[index])
+        left = scale * state.radii[index] - side * (currents[0] - state.plays[index])
         if left > TAKEN_UP:
             room = min(room, left)
     return math.inf if room == math.inf else used_up(memory, count, room)

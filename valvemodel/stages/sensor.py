@@ -32,6 +32,7 @@ EFFECTS = (
                 0.0,
                 (0.0,),
                 is_later=True,
+                is_start=True,
             ),
             Parameter(
                 "backlash_wear",
