@@ -28,6 +28,7 @@ from diagnosis.standing import (
     is_near_noise,
     is_quick,
     is_read_off,
+    jumps,
     loses_phase,
     values_alone,
     with_better,
@@ -133,13 +134,15 @@ def try_widely(
 
     A stem's stick-slip that one law explains may be another's: aliases of that are tried all the same.
 
-    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found. Where a coarse
-    reading comes nearest, all that was tried is tried beside it first, which costs little.
+    One in which a slip's way hangs by a hair comes after its kindred, and starts from what that found: where the stem
+    stops on its way, or jumps by what comes nearest. Where a coarse reading comes nearest, all that was tried is tried
+    beside it first, which costs little.
     """
     base, tried = tried[0], list(tried)
     for round_of in searched:
         tried += beside_reading(tried, holdout, pool, progress)
-        keys = [key for key in round_of if has_stops or not effect_of_key(key).is_chaotic]
+        is_called = has_stops or any(map(jumps, best_of(tried, 1)[:1]))
+        keys = [key for key in round_of if is_called or not effect_of_key(key).is_chaotic]
         ends = [each for each in tried if explains(each, base)]
         if ends:
             best = min(ends, key=misfit)

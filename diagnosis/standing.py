@@ -88,8 +88,7 @@ def is_settled(candidate: Candidate, base: Candidate) -> bool:
     Only what is alike can come as near. A whole series of waves, or an effect of many numbers, may come there in the
     place of something else.
     """
-    numbers = [sum(not each.is_higher for each in moved) for moved in moved_in(candidate.fit.model).values()]
-    is_plain = not candidate.has_series and max(numbers, default=0) < MANY_NUMBERS
+    is_plain = not (candidate.has_series or of_many_numbers(candidate.fit.model))
     return is_plain and is_near_noise(candidate, base)
 
 
@@ -100,8 +99,12 @@ def stands_in(candidate: Candidate) -> bool:
 
 
 def of_many_numbers(model: Model) -> list[str]:
-    """Return the effects of a model that have so many free numbers."""
-    return [key for key, moved in moved_in(model).items() if len(moved) >= MANY_NUMBERS]
+    """Return the effects of a model that have so many free numbers, what starts them and a series of one aside."""
+    return [
+        key
+        for key, moved in moved_in(model).items()
+        if sum(not (each.is_higher or each.is_start) for each in moved) >= MANY_NUMBERS
+    ]
 
 
 def is_out_of_reach(tried: Sequence[Candidate]) -> bool:
@@ -171,6 +174,11 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     ]
 
 
+def jumps(candidate: Candidate) -> bool:
+    """Return whether one of a cause's effects makes the stem stop and jump."""
+    return any(effect_of_key(key).breakaway for key in candidate.effects)
+
+
 def loses_phase(candidate: Candidate) -> bool:
     """Return whether one of a cause's effects lets a free run lose the phase of its slips."""
     return any(effect_of_key(key).is_chaotic for key in candidate.effects)
@@ -180,4 +188,4 @@ def is_blunt(candidate: Candidate) -> bool:
     """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
     effects = [effect_of_key(key) for key in candidate.effects]
     ends_soon = not any(each.is_chaotic for each in effects) and not candidate.has_series
-    return any(each.breakaway for each in effects) and ends_soon
+    return jumps(candidate) and ends_soon

@@ -227,9 +227,8 @@ def extended(
         groups = [trials] if effect.is_jagged else promising(fit, apart)
         if is_searched:
             groups.append([placed(fit, effect, trials)])
-        # What a lag takes over is of no form: one of the groups begins there as well.
         hopeless = hopeless_from(fit, worth)
-        searched = [followed(fit, effect, group, trades=group is groups[0], hopeless=hopeless) for group in groups]
+        searched = [followed(fit, effect, group, hopeless=hopeless) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
     if best.error > worth and not effect.is_chaotic:
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
@@ -262,7 +261,7 @@ def glanced_down(fit: Fit, effect: Effect, trials: list[Trial]) -> tuple[Problem
     """Follow the most promising start a few points down, and what else it may begin as; no worse than without."""
     plain = first_plain(fit, trials)
     starts = [(plain.problem, plain.point)]
-    starts += starts_traded(fit, effect)
+    starts += starts_traded(fit, effect, form_of(effect, plain.problem))
     if makes_pressure(effect):
         starts.append((plain.problem, with_pressures_of(fit.problem, fit.found.point, *starts[0])))
     problem, best = nearest_descended(starts, evaluations=GLANCE)
@@ -388,16 +387,14 @@ def hopeless_from(fit: Fit, worth: float) -> float:
     return max(HOPELESS * min(worth, fit.found.error), IN_REACH * fit.problem.noise_error)
 
 
-def followed(
-    fit: Fit, effect: Effect, group: list[Trial], *, trades: bool = True, hopeless: float = math.inf
-) -> tuple[Problem, Found]:
-    """Follow the most promising starts some way down, if it `trades` what a lag takes over as well; the best further.
+def followed(fit: Fit, effect: Effect, group: list[Trial], *, hopeless: float = math.inf) -> tuple[Problem, Found]:
+    """Follow the most promising starts of one form some way down, and what a lag takes over as well; the best further.
 
     Base parameters that the effect frees move last, from where all else has come: from afar they lead astray. Where
     the readings come in coarse steps they do so until the search is at its end. What has more error than is
     `hopeless` is left there.
     """
-    problem, best = looked_down(fit, effect, group, trades=trades, hopeless=hopeless)
+    problem, best = looked_down(fit, effect, group, hopeless=hopeless)
     if best.error > hopeless:
         return problem, best
     freed, point = (problem, best.point) if problem.reads_in_steps else released(problem, best.point)
@@ -406,20 +403,18 @@ def followed(
     return freed, descend(freed, point, evaluations=10, precision=LOOK_PRECISION, renewed=RENEWED)
 
 
-def looked_down(
-    fit: Fit, effect: Effect, group: list[Trial], *, trades: bool, hopeless: float
-) -> tuple[Problem, Found]:
+def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, hopeless: float) -> tuple[Problem, Found]:
     """Follow the most promising starts some way down, and the best of them further, without what the effect frees."""
     follow = partial(best_descended, further=10, hopeless=hopeless)
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return follow([(group[0].problem, group[0].point)], first=FIRST_LOOK)
-    starts = starts_from(fit, effect, group, trades=trades)
+    starts = starts_from(fit, effect, group)
     if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
         return follow(starts, first=FIRST_LOOK_JAGGED, renewed=1)
     return follow(starts, first=FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK)
 
 
-def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -> list[Start]:
+def starts_from(fit: Fit, effect: Effect, group: list[Trial]) -> list[Start]:
     """Return where searches from the most promising trials begin.
 
     The base valve as given is one more start of the most promising of all where no other effect was fitted with it yet,
@@ -429,8 +424,7 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -
     as_known = [group[0], *others] if not fit.model.effects or is_far_off(fit) else others
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
-    if trades:
-        starts += starts_traded(fit, effect)
+    starts += starts_traded(fit, effect, form_of(effect, group[0].problem))
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -438,9 +432,9 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial], *, trades: bool) -
     return starts
 
 
-def starts_traded(fit: Fit, effect: Effect) -> list[Start]:
-    """Return where a lag takes over what the base valve has too much of, as a start; none where there is nothing."""
-    return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect)]
+def starts_traded(fit: Fit, effect: Effect, form: Form) -> list[Start]:
+    """Return where a lag of a form takes over what the base valve has too much of; none where there is nothing."""
+    return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect, [form])]
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:

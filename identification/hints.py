@@ -22,6 +22,9 @@ COARSE, ON_THE_GRID = 8.0, 0.98
 """Step of a grid, over the noise, from which it is coarse; share of the readings that lie within three times the noise
 of it if it is that of the reading: at that step three quarters of any readings do."""
 
+ROUNDED_OFF = 0.7
+"""Share of what a coarse grid rounds off, root mean square, that a fit of smooth readings leaves at least."""
+
 PLACES = 9
 """Places along the travel at which a local effect is looked for."""
 
@@ -85,14 +88,15 @@ def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Res
 
 def _hinted(hint: str, experiments: list[Experiment], residuals: Residuals) -> list[float]:
     readings = np.concatenate([each.position[np.isfinite(each.position)] for each in experiments])
+    grids = (coarsest_grid(each, left_over(left)) for each, left in zip(experiments, residuals, strict=True))
     if hint == "highest_reading":
         return [float(np.quantile(readings, 0.999))]
     if hint == "lowest_reading":
         return [float(np.quantile(readings, 0.001))]
     if hint == "reading_step":
-        return [max(coarsest_grid(each) for each in experiments)[0]]
+        return [max(grids)[0]]
     if hint == "reading_phase":
-        return [max(coarsest_grid(each) for each in experiments)[1]]
+        return [max(grids)[1]]
     if hint == "travel_place":
         low, high = np.quantile(readings, [0.02, 0.98])
         return [float(place) for place in np.linspace(low, high, PLACES)]
@@ -152,11 +156,18 @@ def is_read_coarsely(experiment: Experiment) -> bool:
     return bool(np.mean(off < 3.0 * experiment.noise) >= ON_THE_GRID)
 
 
-def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
+def left_over(residual: np.ndarray) -> float:
+    """Return the root mean square of what a fit leaves where it counts; infinite where nothing does. [m]"""
+    kept = residual[np.isfinite(residual)]
+    return float(np.sqrt(np.mean(kept**2))) if len(kept) else math.inf
+
+
+def coarsest_grid(experiment: Experiment, left: float = math.inf) -> tuple[float, float]:
     """Return step and offset of the coarsest grid that the readings crowd around, noise on top allowed. [m]
 
     A grid wider than the noise makes the readings add up in phase when they are wound around its step; the display
-    grid of the values themselves is returned where none does better.
+    grid of the values themselves is returned where none does better. Readings at a few levels, as long holds leave,
+    crowd around many a grid: of one that rounds off more than a smooth fit has `left` over none can come. [m]
     """
     readings = experiment.position[np.isfinite(experiment.position)]
     shown = reading_grid(readings)
@@ -178,4 +189,6 @@ def coarsest_grid(experiment: Experiment) -> tuple[float, float]:
             (readings - np.angle(np.exp(2j * np.pi * readings / step).mean()) * step / (2 * np.pi)) / step
         )
         step, offset = (float(each) for each in np.polyfit(numbers, readings, 1))
+    if left < ROUNDED_OFF * step / math.sqrt(12.0):
+        return shown
     return step, offset - step * round(offset / step)

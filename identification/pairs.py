@@ -97,7 +97,7 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     tried = [(resized(effect, start, size), np.zeros(known)) for start in starts for size in (1.0, SMALLER)]
     if alone is not None:
         tried.append((dict(alone.model.effects[effect.key]), alone.found.point[:known] - fit.found.point))
-    tried += traded(fit, effect)
+    tried += traded(fit, effect, dict.fromkeys(map(effect.form_at, starts)))
     traces: dict[tuple[float, bytes], Trace] = {}
     for values, move in tried:
         problem, point = joined(fit.problem, fit.found.point, effect, values)

@@ -33,6 +33,9 @@ DIFFERENCE = 2e-4
 """Step of the forward differences in scaled unknowns; wide against the tolerance, narrow against the bends. Where runs
 are rougher than those of a search it is so much wider."""
 
+NEAR_BOUND, OFF_BOUND = 1e-3, 5e-2
+"""Distance from its lower bound within which an unknown stands on it, scaled, and the step there."""
+
 ROUGH_TOLERANCE = 1e-4
 """Of runs that only show which of many starts are worth it, at most: up to three times as fast. [m]"""
 
@@ -213,10 +216,11 @@ class Problem:
 
         Where the residuals there are known, shape (r,), they are not computed again.
         """
-        count = len(point)
-        steps = np.full(count, DIFFERENCE * max(self.tolerance / SEARCH_TOLERANCE, 1.0))
-        upper = np.array([unknown.bounds[1] for unknown in self.unknowns])
-        steps[point + steps > upper] *= -1.0
+        steps = np.full(len(point), DIFFERENCE * max(self.tolerance / SEARCH_TOLERANCE, 1.0))
+        low, high = self.bounds
+        # With what acts from its bound on, as a lag does, a run goes another way and is off by part of the tolerance.
+        steps[point - low < NEAR_BOUND] = OFF_BOUND
+        steps[point + steps > high] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known
         changes = self.residuals(point + np.diag(steps))
         changes -= here

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from identification.problem import Problem
 from identification.search import errors, roam_over
 from identification.uncertainty import blocks_of
 from identification.unknowns import base_unknowns, effect_unknowns, freed_by
-from valvemodel.declarations import Effect
+from valvemodel.declarations import Effect, Form
 
 LITTLE_LEFT = 1.1
 """Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
@@ -235,8 +235,8 @@ def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:
     return given
 
 
-def traded(fit: Fit, effect: Effect) -> list[tuple[dict[str, float], np.ndarray]]:
-    """Return the start of an effect that lags which takes over what the base valve has too much of, and the move to it.
+def traded(fit: Fit, effect: Effect, forms: Iterable[Form]) -> list[tuple[dict[str, float], np.ndarray]]:
+    """Return where an effect that lags, in each of some forms, takes over what the base valve has too much of.
 
     A fit without the lag has viscous friction and mass in its place: a lag of time T delays a stem as T k more viscous
     friction does. From such a base valve a search ends beside a lag that is too short, and from one so sluggish that it
@@ -245,9 +245,9 @@ def traded(fit: Fit, effect: Effect) -> list[tuple[dict[str, float], np.ndarray]
     Returns
     -------
     list of (values, move)
-        Values of the effect's parameters, of which what is no lag is neutral [SI]; and by how much the fit's unknowns
-        move with it, scaled, shape (unknowns,): viscous friction and mass to about what was given. Empty where the
-        effect does not lag, or the fit has no such friction to spare.
+        Values of the effect's parameters, of which what is neither a lag nor of the form is neutral [SI]; and by how
+        much the fit's unknowns move with it, scaled, shape (unknowns,): viscous friction and mass to about what was
+        given. Empty where the effect does not lag, or the fit has no such friction to spare.
     """
     lags = [each for each in effect.fitted if each.is_lag]
     numbers = {unknown.name: number for number, unknown in enumerate(fit.unknowns)}
@@ -266,7 +266,7 @@ def traded(fit: Fit, effect: Effect) -> list[tuple[dict[str, float], np.ndarray]
     for name, number in numbers.items():
         if name in LIVELY:
             move[number] = LIVELY[name] - fit.found.point[number]
-    return [(values, move)]
+    return [(values | dict(form), move) for form in forms]
 
 
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.fit import Fit, finished
+from identification.experiment import Experiment
+from identification.fit import Fit, finished, measured
 from identification.problem import Problem
-from identification.search import Found, descend, errors, principal_directions, roam
+from identification.search import Found, descend, errors, points_beside, principal_directions, roam
+from identification.unknowns import start_unknown
 from valvemodel.effects import effect_of_key
 
 WIDTHS, GENERATIONS = (2.0, 1.0, 0.3), 40
@@ -34,6 +37,14 @@ WIDTHS_IN_PHASE = (1.0, 0.5, 0.3)
 
 WORTH_A_ROUND = 0.95
 """Share of the error to which a round must have come not to be in vain."""
+
+
+TRIED, WIDEST, NARROWEST = 1024, 3.0, 0.01
+"""Points about a fit at which a slip that hangs by a hair may fall the other way, and how far away they lie, in changes
+of the residuals by as much as the noise of one reading."""
+
+AS_GOOD = 2.0
+"""By how much the error of a point may be more than the least to be as good: within the fit's own uncertainty."""
 
 
 @threadpool_limits.wrap(limits=1)
@@ -80,10 +91,42 @@ def sharpened_in_phase(fit: Fit) -> Fit:
     return finished(fit.problem, min(best, descend(fit.problem, best.point), key=lambda each: each.error))
 
 
+@threadpool_limits.wrap(limits=1)
+def steadied(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
+    """Return a fit whose stem jumps, at the point that does best on all that was measured of some as good.
+
+    Whether the stem breaks away may hang by a hair where it was not fitted: of numbers that the fitted samples do not
+    tell apart some have it go, and some have it stay and be off until the next slip. The likelihood of what was kept
+    back is its mean over them, which those have that are right.
+
+    Parameters
+    ----------
+    fit : Fit
+    experiments : sequence of Experiment
+        Those of the fit first, then others.
+    """
+    problem, centre = fit.problem, fit.found.point
+    generator = np.random.default_rng(0)
+    sizes = np.geomspace(NARROWEST, WIDEST, TRIED)
+    moves = sizes[:, None] * generator.standard_normal((TRIED, len(centre)))
+    points = points_beside(problem, centre, directions_at(problem, centre, 0.5), moves)
+    most = fit.found.error + AS_GOOD
+    points = points[errors(problem, points, most) <= most]
+    others = range(len(problem.experiments), len(experiments))
+    starts = [start_unknown(experiments[number].first_reading, number) for number in others]
+    everything = replace(
+        problem, experiments=experiments, unknowns=[*problem.unknowns, *starts], used=measured(experiments)
+    )
+    tried = np.vstack([centre, points])
+    placed = np.hstack([tried, np.zeros((len(tried), len(starts)))])
+    left = [errors(replace(everything, is_anchored=is_anchored), placed) for is_anchored in (False, True)]
+    best = int(np.argmin(left[0] * left[1]))
+    return fit if best == 0 else finished(problem, Found(tried[best], float(errors(problem, tried[best][None, :])[0])))
+
+
 def searched_about(problem: Problem, centre: np.ndarray, seed: int, widest: float, *, size: int = QUICK.size) -> Found:
     """Search about a scaled point, along the principal directions of the residuals, with a seed."""
-    error = float(errors(problem, centre[None, :])[0])
-    shape = np.clip(principal_directions(problem.jacobian(centre), error), -1.0, 1.0)
+    shape = directions_at(problem, centre, float(errors(problem, centre[None, :])[0]))
     count = len(centre)
     return roam(
         problem,
@@ -96,3 +139,8 @@ def searched_about(problem: Problem, centre: np.ndarray, seed: int, widest: floa
         seed=seed,
         start=np.zeros(count),
     )
+
+
+def directions_at(problem: Problem, centre: np.ndarray, error: float) -> np.ndarray:
+    """Return the principal directions of the residuals at a scaled point, each as long as what adds an error."""
+    return np.clip(principal_directions(problem.jacobian(centre), error), -1.0, 1.0)

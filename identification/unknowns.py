@@ -27,8 +27,9 @@ EDGE = 1e-4
 """Distance from a bound, scaled, within which a number is the bound: a search that keeps inside stands just beside it,
 and the moments of a lag of a microsecond are dear to follow."""
 
-FREE_RANGE = 2.5
-"""A base parameter is looked for within this many powers of e about where a search begins."""
+FREE_RANGE, FREE_RANGE_OF_DAMPING = 2.5, 3.5
+"""A base parameter is looked for within this many powers of e about where a search begins; viscous friction, which may
+be the mean of two that differ by a factor of sixty, within more."""
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,9 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
         if not is_free or (parameter.name in OF_GAP and not has_gap):
             continue
         centre = model.values[parameter.name] or parameter.neutral
-        low = max(parameter.low, centre * math.exp(-FREE_RANGE))
-        high = min(parameter.high, centre * math.exp(FREE_RANGE))
+        reach = FREE_RANGE_OF_DAMPING if parameter.name == "viscous_friction" else FREE_RANGE
+        low = max(parameter.low, centre * math.exp(-reach))
+        high = min(parameter.high, centre * math.exp(reach))
         unknowns.append(
             Unknown(parameter.name, parameter.unit, centre, centre, True, low, high, parameter.prior_spread)
         )

@@ -886,3 +886,21 @@ def test_the_right_form_beside_jumps_is_looked_for_before_what_comes_on_top_of_o
     assert min(each.score.misfit for each in found) == min(in_form, 5.0)
     assert asked.count("forms") == 1, "not once more where nothing has changed"
     assert ("on top" in asked) == (in_form > 2.0)
+
+
+@pytest.mark.parametrize(("best", "is_tried"), [("static_friction", True), ("load_force", False)])
+def test_where_no_stops_are_seen_a_law_whose_slips_hang_by_a_hair_is_tried_if_another_is_the_best(
+    monkeypatch, best, is_tried
+):
+    """Stairs of the current: the stem rests on each by itself, and jumps onto the next."""
+    asked = []
+    monkeypatch.setattr(singles, "beside_reading", lambda *_: [])
+    monkeypatch.setattr(singles, "work_on", lambda base, effect, *_, **__: effect.key)
+    monkeypatch.setattr(
+        singles,
+        "try_all",
+        lambda work, *_: asked.extend(work) or [candidate(30.0 if key == best else 50.0, key) for key in work],
+    )
+    tried = [candidate(90.0), candidate(40.0, "load_force")]
+    singles.try_widely(tried, [["static_friction"], ["stribeck"]], None, None, None, has_stops=False)
+    assert asked == ["static_friction"] + ["stribeck"] * is_tried

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
+from diagnosis import trying
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.trials.plan import seeds_of
 from diagnosis.trying import Work, try_anew, try_effect
@@ -49,3 +52,23 @@ def test_from_every_start_a_side_minimum_is_left(given, monkeypatch):
     all_starts = try_effect(Work(base, (key,), False, follows_all=True), holdout)
     assert few.score.misfit > 1.5
     assert all_starts.score.misfit < 1.1
+
+
+@pytest.mark.parametrize(
+    ("law", "left", "unseen", "in_stairs", "hangs"),
+    [
+        ("static_friction", 0.95, 131.0, False, True),
+        ("static_friction", 0.95, 1.0, False, False),
+        ("static_friction", 10.0, 131.0, False, False),
+        ("static_friction", 0.95, 131.0, True, False),
+        ("coil_lag", 0.95, 131.0, False, False),
+    ],
+)
+def test_a_slip_hangs_by_a_hair_where_a_law_is_right_only_where_it_was_fitted(law, left, unseen, in_stairs, hangs):
+    fit = SimpleNamespace(
+        model=SimpleNamespace(effects=[law]),
+        found=SimpleNamespace(error=left * 3000.0),
+        problem=SimpleNamespace(noise_error=3000.0),
+    )
+    score = SimpleNamespace(misfit=unseen, at_rests=object() if in_stairs else None)
+    assert trying.hangs_by_a_hair(fit, score) == hangs

@@ -107,6 +107,26 @@ def test_grid_is_found_below_noise_on_top() -> None:
     assert coarsest_grid(experiment_of(record))[0] == pytest.approx(3e-3, rel=1e-3)
 
 
+def test_a_few_levels_are_no_grid_where_a_smooth_fit_leaves_less_than_it_would_round_off() -> None:
+    """Stairs with long holds: their levels lie on a grid of 4 mm by chance, the way between them does not."""
+    generator = np.random.default_rng(5)
+    time = np.arange(6000) * 0.02
+    levels = 0.1 + 4e-3 * generator.integers(-12, 12, 12)
+    way = np.interp(time % 10.0, [0.0, 1.5], [0.0, 1.0])
+    place = (time // 10.0).astype(int)
+    position = np.append(levels, 0.1)[place] * (1.0 - way) + np.append(levels[1:], [0.1, 0.1])[place] * way
+    record = Record.from_arrays(
+        name="stairs",
+        time=time,
+        current=0.012 + 0.004 * np.sin(0.2 * time),
+        position=position + 8e-5 * generator.standard_normal(len(time)),
+    )
+    experiment = experiment_of(record)
+    assert coarsest_grid(experiment)[0] == pytest.approx(4e-3, rel=1e-2)
+    assert coarsest_grid(experiment, 1.1e-3)[0] == pytest.approx(4e-3, rel=1e-2)
+    assert coarsest_grid(experiment, 3e-4)[0] < 1e-4
+
+
 def test_strongest_period_is_found() -> None:
     time = np.arange(7500) * 0.02
     generator = np.random.default_rng(6)

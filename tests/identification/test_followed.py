@@ -54,10 +54,10 @@ def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, h
 def test_the_valve_as_given_is_a_start_alone_or_where_the_mass_is_far_off(monkeypatch, beside, is_off, expected):
     monkeypatch.setattr(extension, "as_given", lambda fit, point: -point)
     monkeypatch.setattr(extension, "is_far_off", lambda fit: is_off)
-    for choice in ("of_another_form", "of_another_side", "starts_traded"):
+    for choice in ("of_another_form", "of_another_side", "starts_traded", "form_of"):
         monkeypatch.setattr(extension, choice, lambda *_: [])
     group = [Trial("problem", np.array([place]), 0.0) for place in (1.0, 2.0, 3.0)]
-    starts = starts_from(fit_of(900.0, *beside), effect_of_key("spring_hardening"), group, trades=True)
+    starts = starts_from(fit_of(900.0, *beside), effect_of_key("spring_hardening"), group)
     assert [point[0] for _, point in starts] == expected
 
 

@@ -82,16 +82,16 @@ def test_only_too_much_friction_stands_in_for_a_lag_and_only_for_one():
     for excess, is_traded in ((1.0, True), (0.3, False), (-1.0, False)):
         point = np.array([excess, 0.0, 2.5])
         fit = SimpleNamespace(unknowns=[friction, *others], found=Found(point, 1.0))
-        starts = traded(fit, effect_of_key("coil_lag"))
+        starts = traded(fit, effect_of_key("coil_lag"), [(("lag_behind_core", 1.0),)])
         assert len(starts) == is_traded
-        assert traded(fit, effect_of_key("gap_drift")) == []
+        assert traded(fit, effect_of_key("gap_drift"), [()]) == []
         if not starts:
             continue
         ((values, move),) = starts
         valve = dict(zip(("friction", "rate", "mass"), point + move, strict=True))
         spared = 600.0 * (math.exp(excess) - math.exp(valve["friction"]))
         assert values.pop("coil_time_constant") == pytest.approx(spared / rate)
-        assert values == {"eddy_time_constant": 0.0, "lag_behind_core": 0.0}
+        assert values == {"eddy_time_constant": 0.0, "lag_behind_core": 1.0}
         # It overshoots.
         assert valve["rate"] == 0.0
         assert 600.0 * math.exp(valve["friction"]) < 2.0 * math.sqrt(rate * 1.4 * math.exp(valve["mass"]))
@@ -119,3 +119,14 @@ def test_without_a_core_that_bends_a_lag_has_one_order(tmp_path):
     assert orders == [0.0] * len(orders)
     assert len(orders) == 4
     assert {trace.values["lag_behind_core"] for trace in traces_of(base, lag)} == {0.0}
+
+
+def test_a_line_that_smears_is_found_from_one_that_does_not(tmp_path):
+    """A search that stood at no lag had stayed there, with half as much mass again, and left 1.14 of the noise."""
+    plant, _, found = fits_to_plant(430206229, "transport_delay", tmp_path, profile=1152079594, nuisance=True)
+    truth = plant.effects[0]
+    assert truth.formulation == "dispersive_line"
+    assert found.found.error < 1.03 * found.problem.noise_error
+    numbers = found.model.effects["transport_delay"]
+    assert numbers["transport_delay"] == pytest.approx(truth.parameters["delay"], rel=0.01)
+    assert numbers["line_dispersion"] == pytest.approx(truth.parameters["dispersion"], rel=0.1)

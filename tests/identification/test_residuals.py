@@ -10,19 +10,24 @@ import pytest
 
 from identification.experiment import Experiment, simulate_rows
 from identification.problem import LOST, SEARCH_TOLERANCE, Problem
+from identification.screening import joined
 from identification.search import Slopes, Turned
 from identification.unknowns import base_unknowns
 from valvemodel import simulate
+from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.valves import read_valve
 
 NOISE, PRESSURE_NOISE = 1e-4, 300.0
 
 
-def experiment(valve: Model, seed: int, *, with_pressure: bool, reach: float = math.inf) -> Experiment:
+def experiment(
+    valve: Model, seed: int, *, with_pressure: bool, reach: float = math.inf, in_steps: bool = False
+) -> Experiment:
     generator, count = np.random.default_rng(seed), 400 + 50 * seed
     time = np.arange(count) / 50.0
-    current = 0.012 + 0.004 * np.sin(1.1 * time + seed)
+    wave = np.sin(1.1 * time + seed)
+    current = 0.012 + 0.004 * (np.sign(wave) if in_steps else wave)
     run = simulate(valve, time=time, current=current)
     position = run.position + NOISE * generator.standard_normal(count)
     position[generator.integers(0, count, 9)] = np.nan
@@ -123,3 +128,22 @@ def test_errors_of_a_run_that_is_lost_stay_as_they_are(valve, off):
     assert not np.isfinite(errors[40])
     assert np.isnan(errors[40]) == np.isnan(off)
     assert (np.isnan(errors) == np.isnan(seen.position))[np.arange(len(errors)) != 40].all()
+
+
+@pytest.mark.parametrize("delay", [0.0403, 0.0558])
+def test_what_begins_on_its_bound_has_the_slope_just_off_it(valve, delay):
+    """With a lag of a microsecond a run goes another way, and is off by a part of the tolerance: a slope by so small a
+    step had been ten to a hundred times too steep, and a search that had come there stayed."""
+    key, dispersion = "transport_delay", 0.06
+    smeared = valve.with_effect(key, transport_delay=delay, line_dispersion=dispersion)
+    problem, point = joined(
+        problem_of(experiment(smeared, 1, with_pressure=False, in_steps=True), valve=valve),
+        np.zeros(6),
+        effect_of_key(key),
+        {key: delay, "line_dispersion": 0.0},
+    )
+    lag = [unknown.name for unknown in problem.unknowns].index("line_dispersion")
+    ahead = point.copy()
+    ahead[lag] += 1e-3
+    expected = np.diff(replace(problem, tolerance=1e-9).residuals(np.array([point, ahead])), axis=0)[0] / 1e-3
+    assert np.linalg.norm(problem.jacobian(point)[:, lag] - expected) < 0.1 * np.linalg.norm(expected)

@@ -2,6 +2,10 @@
 
 from blind_fits import fits_to_plant
 
+from identification.unknowns import base_unknowns
+from valvemodel.model import Model
+from valvemodel.valves import read_valve
+
 
 def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way(tmp_path):
     key = "asymmetric_viscous_friction"
@@ -20,3 +24,10 @@ def test_the_side_to_which_slopes_promise_less_is_followed_too(tmp_path):
     assert base.found.error > 5.0 * base.problem.noise_error
     assert found.found.error < 1.05 * found.problem.noise_error
     assert found.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"] > 0.5
+
+
+def test_damping_that_differs_thirtyfold_lies_within_reach():
+    """Its mean is seventeen times what was given."""
+    valve = read_valve("calibrated")
+    damping = next(each for each in base_unknowns(Model(valve.name, valve.values)) if each.name == "viscous_friction")
+    assert damping.value(damping.bounds[1]) > 20.0 * damping.value(0.0)
