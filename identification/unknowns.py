@@ -37,7 +37,8 @@ class Unknown:
     """One number that a fit moves: value = centre exp(x) where it is logarithmic, else centre + spread x.
 
     `experiment` is the number of the experiment whose start position it is, or -1; `is_higher` marks a further one of a
-    series of like numbers.
+    series of like numbers, `moves_pressure` one by which the pressure moves while the current is held, from its lower
+    bound on.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Unknown:
     prior_spread: float = 1.0
     experiment: int = -1
     is_higher: bool = False
+    moves_pressure: bool = False
 
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Return the value at a scaled number, beside a bound the bound itself."""
@@ -110,10 +112,16 @@ def effect_unknowns(key: str, start: dict[str, float], *, of_loops: bool = False
     So do, in a fit to settled loops, those that act in time. Of a series that starts off neutral only the sizes move.
     Their spread is their root mean square at the start: the weak prior holds them to that.
     """
-    fitted = [each for each in effect_of_key(key).free_at(start) if not (of_loops and each.acts_in_time)]
+    effect = effect_of_key(key)
+    fitted = [each for each in effect.free_at(start) if not (of_loops and each.acts_in_time)]
     series = [start[each.name] for each in fitted if each.is_higher and start[each.name] != each.neutral]
     if not series:
-        return [unknown_of(each) for each in fitted if math.isfinite(start[each.name]) and not each.is_higher]
+        moves = effect.acts_in_time and effect.acts_on_pressure
+        return [
+            replace(unknown_of(each), moves_pressure=moves and each.low == each.neutral)
+            for each in fitted
+            if math.isfinite(start[each.name]) and not each.is_higher
+        ]
     size = math.sqrt(sum(value * value for value in series) / len(series))
     sizes = [each for each in fitted if each.scale == "linear" and start[each.name] != each.neutral]
     return [replace(unknown_of(each), spread=size, is_higher=each.is_higher) for each in sizes]
