@@ -163,6 +163,11 @@ class Diagnosis(Told):
         return self.causes[0]
 
     @property
+    def found_model(self) -> Model:
+        """The refitted base, with the cause where one is named, as it goes for other records of the valve."""
+        return self.found.model.without_starts()
+
+    @property
     def open_stages(self) -> list[str]:
         """Stages in which the cause may lie as far as the records tell, the most probable first."""
         causes = [self.cause.effects, *self.cause.rivals] if self.verdict == "effect" else []
@@ -247,7 +252,7 @@ class Diagnosis(Told):
         content = self.as_json()
         write_json(places["diagnosis.json"], content)
         self.base.model.write(places["base.json"])
-        self.found.model.write(places["model.json"])
+        self.found_model.write(places["model.json"])
         write_page(places["report.html"], content, self.evidence(), jobs=jobs)
         return places
 

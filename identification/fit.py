@@ -54,11 +54,13 @@ class Fit:
     def simulated_on(self, experiment: Experiment, *, is_anchored: bool = False) -> Simulated:
         """Run the fitted model over an experiment, free or re-anchored on its readings.
 
-        An experiment that was not fitted starts at its first readings.
+        An experiment that was not fitted starts at its first readings, and all else where it usually does.
         """
         numbers = [number for number, each in enumerate(self.problem.experiments) if each.is_same(experiment)]
-        start = self.starts[numbers[0]] if numbers else experiment.first_reading
-        return simulate_model(self.model, experiment, start_position=start, is_anchored=is_anchored)
+        model, start = self.model.without_starts(), experiment.first_reading
+        if numbers:
+            model, start = self.model, self.starts[numbers[0]]
+        return simulate_model(model, experiment, start_position=start, is_anchored=is_anchored)
 
 
 def simulate_model(

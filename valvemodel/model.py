@@ -76,6 +76,14 @@ class Model(Shown):
         """Return the model with an effect switched off."""
         return Model(self.name, self.values, {k: v for k, v in self.effects.items() if k != key})
 
+    def without_starts(self) -> Model:
+        """Return the model of the valve alone: where something stood as a record began is that of no other."""
+        effects = {}
+        for key, values in self.effects.items():
+            neutral = {each.name: each.neutral for each in effect_of_key(key).parameters if each.is_start}
+            effects[key] = {**values, **neutral}
+        return Model(self.name, self.values, effects)
+
     def with_values(self, **values: float) -> Model:
         """Return the model with base parameters changed."""
         return Model(self.name, {**self.values, **values}, self.effects)

@@ -60,7 +60,7 @@ def diagnosed(record: Record, model: Model, candidates: Sequence[str], folder: P
     seconds, computing = time.perf_counter() - began, time.process_time() - computed
     write_json(folder / "diagnosis.json", found.as_json())
     found.base.model.write(folder / "base.json")
-    found.found.model.write(folder / "model.json")
+    found.found_model.write(folder / "model.json")
     return {"yardstick": found.yardstick, "seconds": seconds, "computing_seconds": computing}
 
 

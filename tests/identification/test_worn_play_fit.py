@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from blind_fits import fits_to_plant
+from blind_fits import base_of_plant, fits_to_plant
 
-from identification.fit import Fit
+from identification.fit import Fit, simulate_model
 from identification.screening import joined
 from identification.search import descend
 from valvemodel.effects import effect_of_key
@@ -39,3 +39,24 @@ def test_sharp_play_is_found_without_wear(tmp_path):
     assert base.found.error > 1.4 * base.problem.noise_error
     assert found.found.error < 1.05 * found.problem.noise_error
     assert found.model.effects["linkage_backlash"]["backlash_wear"] < 0.03
+
+
+def test_where_a_record_began_in_a_loop_is_not_carried_over_to_another(tmp_path):
+    key = "magnetic_hysteresis"
+    neutral = {each.name: each.neutral for each in effect_of_key(key).parameters}
+    _, base = base_of_plant(9412, ("linkage_backlash",), tmp_path)
+    fitted = base.problem.experiments[0]
+    # One that begins with a long stroke forgets where it began.
+    fitted = replace(fitted, current=0.012 + 1.5e-3 * np.sin(0.3 * fitted.time))
+    begun = replace(
+        base,
+        problem=replace(base.problem, experiments=[fitted]),
+        model=base.model.with_effect(key, **neutral | {"hysteresis_half_width": 4e-4, "hysteresis_start": 1.0}),
+    )
+    whole = begun.model.without_starts()
+    assert whole.effects[key] == {**begun.model.effects[key], "hysteresis_start": 0.0}
+    other = replace(fitted, position=fitted.position + 1e-3)
+    at_rest = simulate_model(whole, other, start_position=other.first_reading).position[0]
+    assert np.array_equal(begun.simulated_on(other).position[0], at_rest)
+    off = begun.simulated_on(fitted).position[0] - replace(begun, model=whole).simulated_on(fitted).position[0]
+    assert np.abs(off).max() > 1e-3
