@@ -179,7 +179,7 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 
 
 def freedom_of(fit: Fit) -> int:
-    """Return the number of free parameters of the valve that a fit's effects bring; a series, held by its prior, is few."""
+    """Return how many free parameters of the valve a fit's effects bring; a series, held by its prior, is few."""
     own = sum(not (each.is_higher or each.is_start) for moved in moved_in(fit.model).values() for each in moved)
     freed = freed_by(fit.model.effects, with_pressure=fit.problem.has_pressure)
     return own + len(freed) + (SERIES if fit.problem.has_series else 0)
