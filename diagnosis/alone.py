@@ -28,12 +28,11 @@ from diagnosis.standing import (
     is_near_noise,
     is_quick,
     is_read_off,
-    jumps,
     loses_phase,
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Progress, Work, glances, sharpen_all, try_all, try_in_turn
+from diagnosis.trying import Candidate, Progress, Work, glances, jumps, sharpen_all, try_all, try_in_turn
 from identification.experiment import are_loops
 from identification.extension import Glance
 from identification.fit import Fit
@@ -141,7 +140,7 @@ def try_widely(
     base, tried = tried[0], list(tried)
     for round_of in searched:
         tried += beside_reading(tried, holdout, pool, progress)
-        is_called = has_stops or any(map(jumps, best_of(tried, 1)[:1]))
+        is_called = has_stops or any(jumps(each.effects) for each in best_of(tried, 1)[:1])
         keys = [key for key in round_of if is_called or not effect_of_key(key).is_chaotic]
         ends = [each for each in tried if explains(each, base)]
         if ends:

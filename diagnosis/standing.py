@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from diagnosis.explaining import AT_NOISE, allowed, explains, misfit
-from diagnosis.trying import Candidate, moved_in
+from diagnosis.trying import Candidate, jumps, moved_in
 from valvemodel.effects import differ_by_aliases, effect_of_key
 from valvemodel.model import Model
 
@@ -100,11 +100,7 @@ def stands_in(candidate: Candidate) -> bool:
 
 def of_many_numbers(model: Model) -> list[str]:
     """Return the effects of a model that have so many free numbers, what starts them and a series of one aside."""
-    return [
-        key
-        for key, moved in moved_in(model).items()
-        if sum(not (each.is_higher or each.is_start) for each in moved) >= MANY_NUMBERS
-    ]
+    return [key for key, moved in moved_in(model).items() if sum(each.is_own for each in moved) >= MANY_NUMBERS]
 
 
 def is_out_of_reach(tried: Sequence[Candidate]) -> bool:
@@ -174,11 +170,6 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     ]
 
 
-def jumps(candidate: Candidate) -> bool:
-    """Return whether one of a cause's effects makes the stem stop and jump."""
-    return any(effect_of_key(key).breakaway for key in candidate.effects)
-
-
 def loses_phase(candidate: Candidate) -> bool:
     """Return whether one of a cause's effects lets a free run lose the phase of its slips."""
     return any(effect_of_key(key).is_chaotic for key in candidate.effects)
@@ -188,4 +179,4 @@ def is_blunt(candidate: Candidate) -> bool:
     """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
     effects = [effect_of_key(key) for key in candidate.effects]
     ends_soon = not any(each.is_chaotic for each in effects) and not candidate.has_series
-    return jumps(candidate) and ends_soon
+    return jumps(candidate.effects) and ends_soon

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from functools import partial
@@ -151,14 +151,20 @@ def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:
     return Candidate(effects, fit, score, trace, freedom_of(fit), fit.problem.has_series)
 
 
+def jumps(effects: Iterable[str]) -> bool:
+    """Return whether one of some effects makes the stem stop and jump."""
+    return any(effect_of_key(key).breakaway for key in effects)
+
+
 def hangs_by_a_hair(fit: Fit, score: Score) -> bool:
     """Return whether a fit whose stem jumps leaves far more of what it did not see than of what it was fitted to.
 
     In stairs each slip is judged by itself: there a hair is no matter.
     """
-    jumps = any(effect_of_key(key).breakaway for key in fit.model.effects)
+    if not jumps(fit.model.effects) or score.at_rests is not None:
+        return False
     left = fit.found.error / fit.problem.noise_error
-    return jumps and score.at_rests is None and left < HAIR_LEFT and score.misfit > HAIR_UNSEEN * left
+    return left < HAIR_LEFT and score.misfit > HAIR_UNSEEN * left
 
 
 def take_out(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
@@ -180,7 +186,7 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
 
 def freedom_of(fit: Fit) -> int:
     """Return how many free parameters of the valve a fit's effects bring; a series, held by its prior, is few."""
-    own = sum(not (each.is_higher or each.is_start) for moved in moved_in(fit.model).values() for each in moved)
+    own = sum(each.is_own for moved in moved_in(fit.model).values() for each in moved)
     freed = freed_by(fit.model.effects, with_pressure=fit.problem.has_pressure)
     return own + len(freed) + (SERIES if fit.problem.has_series else 0)
 

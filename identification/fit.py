@@ -57,9 +57,8 @@ class Fit:
         An experiment that was not fitted starts at its first readings, and all else where it usually does.
         """
         numbers = [number for number, each in enumerate(self.problem.experiments) if each.is_same(experiment)]
-        model, start = self.model.without_starts(), experiment.first_reading
-        if numbers:
-            model, start = self.model, self.starts[numbers[0]]
+        model = self.model if numbers else self.model.without_starts()
+        start = self.starts[numbers[0]] if numbers else experiment.first_reading
         return simulate_model(model, experiment, start_position=start, is_anchored=is_anchored)
 
 

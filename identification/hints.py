@@ -61,7 +61,8 @@ def starts_of(effect: Effect, experiments: list[Experiment], residuals: Residual
 def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, float]]:
     """Return the values of an effect in each of its other forms: with other numbers that no fit moves.
 
-    What is read off the record stays as it is, and what the form at hand alone holds goes to its first other start.
+    What is read off the record stays as it is, and what the form at hand alone holds goes to its first other start, if
+    it has one.
     """
     chosen = {
         each.name: [values[each.name] if isinstance(start, str) else float(start) for start in each.starts]
@@ -71,7 +72,7 @@ def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, f
     forms = effect.laws or [dict(zip(chosen, each, strict=True)) for each in product(*chosen.values())]
     held = effect.held_at(values)
     loosened = {
-        each.name: next(float(start) for start in each.starts if start != values[each.name])
+        each.name: next((float(start) for start in each.starts if start != values[each.name]), values[each.name])
         for each in effect.fitted
         if each.name in held
     }

@@ -34,8 +34,8 @@ DIFFERENCE = 2e-4
 are rougher than those of a search it is so much wider."""
 
 NEAR_BOUND, OFF_BOUND = 1e-3, 5e-2
-"""Distance from its lower bound within which an unknown that makes the pressure move stands on it, scaled, and the step
-there."""
+"""Distance from its lower bound within which an unknown that acts on the pressure in time stands on it, scaled, and the
+step there."""
 
 ROUGH_TOLERANCE = 1e-4
 """Of runs that only show which of many starts are worth it, at most: up to three times as fast. [m]"""
@@ -220,8 +220,9 @@ class Problem:
         steps = np.full(len(point), DIFFERENCE * max(self.tolerance / SEARCH_TOLERANCE, 1.0))
         low, high = self.bounds
         moves = np.array([unknown.moves_pressure for unknown in self.unknowns])
-        # Once the pressure moves a run goes another way, and is off by a part of the tolerance.
-        steps[moves & (point - low < NEAR_BOUND)] = OFF_BOUND
+        if self.tolerance >= SEARCH_TOLERANCE:
+            # Once the pressure moves a run goes another way, and is off by a part of the tolerance.
+            steps[moves & (point - low < NEAR_BOUND)] = OFF_BOUND
         steps[point + steps > high] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known
         changes = self.residuals(point + np.diag(steps))

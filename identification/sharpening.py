@@ -38,10 +38,9 @@ WIDTHS_IN_PHASE = (1.0, 0.5, 0.3)
 WORTH_A_ROUND = 0.95
 """Share of the error to which a round must have come not to be in vain."""
 
-
-TRIED, WIDEST, NARROWEST = 1024, 3.0, 0.01
-"""Points about a fit at which a slip that hangs by a hair may fall the other way, and how far away they lie, in changes
-of the residuals by as much as the noise of one reading."""
+TRIED, AT_ONCE, WIDEST, NARROWEST = 1024, 64, 3.0, 0.01
+"""Points about a fit at which a slip that hangs by a hair may fall the other way, and how many are run at once; how far
+away they lie, in changes of the residuals by as much as the noise of one reading."""
 
 AS_GOOD = 2.0
 """By how much the error of a point may be more than the least to be as good: within the fit's own uncertainty."""
@@ -93,11 +92,11 @@ def sharpened_in_phase(fit: Fit) -> Fit:
 
 @threadpool_limits.wrap(limits=1)
 def steadied(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
-    """Return a fit whose stem jumps, at the point that does best on all that was measured of some as good.
+    """Return a fit whose stem jumps, at the point that does best on all that was measured of those that are as good.
 
     Whether the stem breaks away may hang by a hair where it was not fitted: of numbers that the fitted samples do not
-    tell apart some have it go, and some have it stay and be off until the next slip. The likelihood of what was kept
-    back is its mean over them, which those have that are right.
+    tell apart some have it go, and some have it stay and be off until the next slip. What was kept back chooses among
+    those, and is no longer unseen in that: it speaks for a law as far as any of them are right there.
 
     Parameters
     ----------
@@ -111,17 +110,38 @@ def steadied(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
     moves = sizes[:, None] * generator.standard_normal((TRIED, len(centre)))
     points = points_beside(problem, centre, directions_at(problem, centre, 0.5), moves)
     most = fit.found.error + AS_GOOD
-    points = points[errors(problem, points, most) <= most]
-    others = range(len(problem.experiments), len(experiments))
-    starts = [start_unknown(experiments[number].first_reading, number) for number in others]
-    everything = replace(
-        problem, experiments=experiments, unknowns=[*problem.unknowns, *starts], used=measured(experiments)
-    )
-    tried = np.vstack([centre, points])
-    placed = np.hstack([tried, np.zeros((len(tried), len(starts)))])
-    left = [errors(replace(everything, is_anchored=is_anchored), placed) for is_anchored in (False, True)]
+    found = np.concatenate([errors(problem, some, most) for some in np.array_split(points, TRIED // AT_ONCE)])
+    tried = np.vstack([centre, points[found <= most]])
+    left = [errors_on_all(problem, experiments, tried, is_anchored=is_anchored) for is_anchored in (False, True)]
     best = int(np.argmin(left[0] * left[1]))
     return fit if best == 0 else finished(problem, Found(tried[best], float(errors(problem, tried[best][None, :])[0])))
+
+
+def errors_on_all(
+    problem: Problem, experiments: Sequence[Experiment], points: np.ndarray, *, is_anchored: bool
+) -> np.ndarray:
+    """Return the errors on all that was measured of some experiments, shape (p,), those of the problem first.
+
+    The others start at their first readings, and all else where it usually does.
+    """
+    everything = replace(problem, used=measured(problem.experiments), is_anchored=is_anchored)
+    left = errors(everything, points)
+    others = experiments[len(problem.experiments) :]
+    if others:
+        known, model = {unknown.name for unknown in problem.unknowns}, problem.model
+        known -= {each.name for key in model.effects for each in effect_of_key(key).parameters if each.is_start}
+        pairs = [(n, each) for n, each in enumerate(problem.unknowns) if each.experiment < 0 and each.name in known]
+        starts = [start_unknown(each.first_reading, number) for number, each in enumerate(others)]
+        unseen = replace(
+            everything,
+            model=model.without_starts(),
+            experiments=others,
+            unknowns=[*(each for _, each in pairs), *starts],
+            used=measured(others),
+        )
+        kept = points[:, [number for number, _ in pairs]]
+        left = left + errors(unseen, np.hstack([kept, np.zeros((len(points), len(starts)))]))
+    return left
 
 
 def searched_about(problem: Problem, centre: np.ndarray, seed: int, widest: float, *, size: int = QUICK.size) -> Found:

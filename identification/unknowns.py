@@ -27,18 +27,13 @@ EDGE = 1e-4
 """Distance from a bound, scaled, within which a number is the bound: a search that keeps inside stands just beside it,
 and the moments of a lag of a microsecond are dear to follow."""
 
-FREE_RANGE, FREE_RANGE_OF_DAMPING = 2.5, 3.5
-"""A base parameter is looked for within this many powers of e about where a search begins; viscous friction, which may
-be the mean of two that differ by a factor of sixty, within more."""
-
 
 @dataclass(frozen=True)
 class Unknown:
     """One number that a fit moves: value = centre exp(x) where it is logarithmic, else centre + spread x.
 
     `experiment` is the number of the experiment whose start position it is, or -1; `is_higher` marks a further one of a
-    series of like numbers, `moves_pressure` one by which the pressure moves while the current is held, from its lower
-    bound on.
+    series of like numbers, `moves_pressure` one that acts on the pressure in time, from its lower bound on.
     """
 
     name: str
@@ -97,9 +92,8 @@ def base_unknowns(model: Model, *, with_pressure: bool = False) -> list[Unknown]
         if not is_free or (parameter.name in OF_GAP and not has_gap):
             continue
         centre = model.values[parameter.name] or parameter.neutral
-        reach = FREE_RANGE_OF_DAMPING if parameter.name == "viscous_friction" else FREE_RANGE
-        low = max(parameter.low, centre * math.exp(-reach))
-        high = min(parameter.high, centre * math.exp(reach))
+        low = max(parameter.low, centre * math.exp(-parameter.reach))
+        high = min(parameter.high, centre * math.exp(parameter.reach))
         unknowns.append(
             Unknown(parameter.name, parameter.unit, centre, centre, True, low, high, parameter.prior_spread)
         )

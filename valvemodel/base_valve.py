@@ -13,7 +13,8 @@ BASE_PARAMETERS = (
     Parameter(
         "supply_pressure", "Pa", "gauge supply pressure", 1e4, 2e6, 3e5, scale="log", is_fitted=False, prior_spread=0.2
     ),
-    Parameter("viscous_friction", "N*s/m", "viscous friction", 0.0, 1e6, 612.9),
+    # The mean of two that may differ by a factor of sixty.
+    Parameter("viscous_friction", "N*s/m", "viscous friction", 0.0, 1e6, 612.9, reach=3.5),
     Parameter("coulomb_friction", "N", "Coulomb friction", 0.0, 1e5, 1423.0),
     Parameter("spring_preload", "N", "spring force at position 0", -1e5, 1e5, 0.0, is_fitted=False),
     Parameter(

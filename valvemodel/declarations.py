@@ -30,7 +30,8 @@ class Parameter:
     name of a hint that is read off the record (`HINTS`). `typical` is the value without one named, by default the
     first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
-    fit puts on the scaled number: 1 is a factor of e either way. `is_higher` marks a further one of a series of like
+    fit puts on the scaled number: 1 is a factor of e either way; within `reach` of these factors a base parameter is
+    looked for. `is_higher` marks a further one of a series of like
     numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
     came later than its effect: a file that does not name it means its typical value. `acts_in_time` marks one that
     a fit to settled loops keeps neutral, as their closed form is without it. `is_lag` marks a time by which what passes
@@ -49,6 +50,7 @@ class Parameter:
     is_fitted: bool = True
     typical: float | None = None
     prior_spread: float = 1.0
+    reach: float = 2.5
     is_higher: bool = False
     is_later: bool = False
     acts_in_time: bool = False
@@ -66,6 +68,11 @@ class Parameter:
             assert is_sound or start == self.neutral, f"{self.name}: start {start}"
         if self.typical is None and self.starts:
             object.__setattr__(self, "typical", float(self.starts[0]))
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it is a number of the valve by itself: no further one of a series, nor where a record began."""
+        return not (self.is_higher or self.is_start)
 
     @property
     def is_size(self) -> bool:

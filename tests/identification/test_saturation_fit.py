@@ -1,12 +1,14 @@
 """A blind valve whose core saturates, by whatever law, is explained to the noise."""
 
 import numpy as np
+import pytest
 from blind_fits import fits_to_plant
 
 from diagnosis.blindtest.chain import electromagnet
 from identification.hints import other_forms
 from identification.unknowns import effect_unknowns
 from valvemodel.effects import effect_of_key
+from valvemodel.stages import EFFECTS
 
 
 def test_a_core_that_saturates_as_tanh_is_explained_by_that_law(tmp_path):
@@ -52,3 +54,13 @@ def test_a_law_holds_its_numbers_and_its_other_forms_let_them_go():
     assert other_forms(effect, hyperbola) == [tanh, lines | {"saturation_slope": 0.7}]
     # Of no law that is declared: all may move.
     assert len(effect_unknowns(effect.key, lines | {"saturation_reach": 0.02})) == 4
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.key)
+def test_every_form_of_an_effect_has_all_the_others_as_its_other_forms(effect):
+    values = {each.name: next((s for s in each.starts if isinstance(s, float)), 1.0) for each in effect.parameters}
+    for law in effect.laws or ({},):
+        others = other_forms(effect, values | law)
+        assert all(each.keys() == values.keys() for each in others)
+        assert effect.form_at(values | law) not in map(effect.form_at, others)
+        assert len(others) >= len(effect.laws) - 1

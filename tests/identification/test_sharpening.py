@@ -1,5 +1,6 @@
 """Searches about a fit go from afar to near, end no worse than they began, and lead out of a side minimum."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,10 @@ import pytest
 from blind_fits import fits_to_plant
 
 from identification import sharpening
+from identification.fit import finished
+from identification.screening import joined
 from identification.search import Found
+from valvemodel.effects import effect_of_key
 
 
 @pytest.mark.parametrize(
@@ -65,22 +69,46 @@ def test_rounds_in_vain_end_the_search_sooner_where_a_run_takes_long(monkeypatch
 
 def test_of_points_as_good_the_one_is_taken_that_does_best_on_all_that_was_measured(monkeypatch):
     """A slip hangs by a hair: with more of the first number than 0.1 it goes where it was not fitted."""
-    fitted = SimpleNamespace(experiments=["one"], unknowns=["a", "b"], used="fitted", is_anchored=False)
+    fitted = SimpleNamespace(name="fitted")
 
     def errors(problem, points, most=np.inf):
-        left = 100.0 + 4.0 * (points**2).sum(axis=1)
-        return left if problem is fitted else left + 900.0 * (points[:, 0] < 0.1)
+        return 100.0 + 4.0 * (points**2).sum(axis=1)
 
     monkeypatch.setattr(sharpening, "errors", errors)
     monkeypatch.setattr(sharpening, "directions_at", lambda problem, centre, error: np.eye(2))
     monkeypatch.setattr(sharpening, "points_beside", lambda problem, centre, shape, moves: centre + moves)
-    monkeypatch.setattr(sharpening, "measured", lambda experiments: "all")
-    monkeypatch.setattr(sharpening, "replace", lambda problem, **given: SimpleNamespace(**vars(problem) | given))
+    monkeypatch.setattr(
+        sharpening,
+        "errors_on_all",
+        lambda problem, experiments, points, *, is_anchored: (
+            errors(problem, points) + 900.0 * (points[:, 0] < 0.1) * (not is_anchored)
+        ),
+    )
     monkeypatch.setattr(sharpening, "finished", lambda problem, found: SimpleNamespace(problem=problem, found=found))
-    fit = SimpleNamespace(problem=fitted, found=Found(np.zeros(2), 100.0))
-    found = sharpening.steadied(fit, ["one"])
+    found = sharpening.steadied(SimpleNamespace(problem=fitted, found=Found(np.zeros(2), 100.0)), ["one"])
     assert found.problem is fitted
     assert 0.1 <= found.found.point[0] < 0.2
     assert found.found.error <= 100.0 + sharpening.AS_GOOD
     goes = SimpleNamespace(problem=fitted, found=Found(np.array([0.2, 0.0]), 100.16))
     assert sharpening.steadied(goes, ["one"]).found.error <= 100.16
+
+
+def test_what_was_not_fitted_is_run_as_it_is_scored(tmp_path):
+    """All samples of the record that was fitted, and another from its first reading, in the middle of a loop."""
+    _, _, found = fits_to_plant(30023, "static_friction", tmp_path, nuisance=True)
+    key = "magnetic_hysteresis"
+    loop = {each.name: each.neutral for each in effect_of_key(key).parameters} | {"hysteresis_half_width": 4e-4}
+    problem, point = joined(found.problem, found.found.point, effect_of_key(key), loop | {"hysteresis_start": 0.9})
+    (fitted,) = problem.experiments
+    other = replace(fitted, position=fitted.position + 1e-3)
+    fit = finished(problem, Found(point, 1.0))
+    assert fit.model.effects[key]["hysteresis_start"] == 0.9
+    for is_anchored in (False, True):
+        both, own = (
+            sharpening.errors_on_all(problem, experiments, point[None, :], is_anchored=is_anchored)[0]
+            for experiments in ([fitted, other], [fitted])
+        )
+        for experiment, left in ((fitted, own), (other, both - own)):
+            run = fit.simulated_on(experiment, is_anchored=is_anchored).position[0]
+            squares = 0.5 * np.nansum(((experiment.position - run) / experiment.noise) ** 2)
+            assert left == pytest.approx(squares, rel=1e-3)

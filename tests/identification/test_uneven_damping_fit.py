@@ -27,7 +27,7 @@ def test_the_side_to_which_slopes_promise_less_is_followed_too(tmp_path):
 
 
 def test_damping_that_differs_thirtyfold_lies_within_reach():
-    """Its mean is seventeen times what was given."""
+    """Its mean is fifteen times what was given."""
     valve = read_valve("calibrated")
     damping = next(each for each in base_unknowns(Model(valve.name, valve.values)) if each.name == "viscous_friction")
     assert damping.value(damping.bounds[1]) > 20.0 * damping.value(0.0)

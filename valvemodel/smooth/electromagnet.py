@@ -138,7 +138,7 @@ def scale_of_plays(p: Any) -> Expression:
 
 def rooms_of_plays(p: Any) -> list[Expression]:
     """Return the mean rooms either way of equal shares of the plays, least first. [A]"""
-    even = ca.fmin(ca.fmax(p.play_evenness, LEAST_EVENNESS), 1.0 - LEAST_EVENNESS)
+    even = LEAST_EVENNESS + (1.0 - 2.0 * LEAST_EVENNESS) * p.play_evenness
     beyond = [1.0 - share for share in SHARES]
     radii = [
         (least - most) - (1.0 - even) * (least ** (1.0 / (1.0 - even)) - most ** (1.0 / (1.0 - even)))
