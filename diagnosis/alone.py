@@ -242,7 +242,7 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
 
 def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
     """Return the best fit in which the stem jumps off, for an effect whose runs take long; else None."""
-    kin = [each.fit for each in tried if any(effect_of_key(key).breakaway for key in each.effects)]
+    kin = [each.fit for each in tried if jumps(each.effects)]
     return min(kin, key=lambda fit: fit.found.error) if kin and effect.is_chaotic else None
 
 

@@ -27,7 +27,7 @@ from diagnosis.score import Errors, closed_interval, closed_share, errors_of
 from diagnosis.searching import Search
 from diagnosis.sham import Control, control_of, shams_on
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
-from diagnosis.trying import Candidate
+from diagnosis.trying import Candidate, jumps
 from diagnosis.where import Where, where_of
 from identification.cores import begun, workers
 from identification.driving.between_rows import said_of_motion
@@ -354,8 +354,7 @@ def curves_left(
     """Return what is left over what it depends on: all where no cause was found, else what a law of jumps leaves."""
     if verdict == "unknown":
         return residual_curves(experiments, base, likely)
-    jumps = verdict == "effect" and any(effect_of_key(key).breakaway for key in shown.effects)
-    return curves_of_ageing(base) if jumps else []
+    return curves_of_ageing(base) if verdict == "effect" and jumps(shown.effects) else []
 
 
 def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:

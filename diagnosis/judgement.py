@@ -10,7 +10,7 @@ import numpy as np
 
 from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.score import Errors, Score
-from diagnosis.trying import Candidate
+from diagnosis.trying import Candidate, jumps
 from valvemodel.effects import differ_by_aliases, effect_of_key
 
 SHARPNESS = 4.5
@@ -219,8 +219,8 @@ def excess(one: float, other: float) -> float:
 
 
 def makes_slips(candidate: Candidate) -> bool:
-    """Return whether a cause makes the stem stop and jump."""
-    return any(effect_of_key(key).breakaway for key in candidate.fit.model.effects)
+    """Return whether a cause, which may be a sham one, makes the stem stop and jump."""
+    return jumps(candidate.fit.model.effects)
 
 
 def differ_by_law(candidate: Candidate, other: Candidate) -> bool:

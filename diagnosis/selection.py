@@ -50,6 +50,7 @@ from diagnosis.trying import (
     begin_again,
     change_all,
     each_in_turn,
+    jumps,
     never,
     sharpen_all,
     take_out,
@@ -161,7 +162,7 @@ def gains(candidate: Candidate, other: Candidate) -> bool:
 
 def goes_in_jumps(candidate: Candidate) -> bool:
     """Return whether the readings go in slips or in steps by a cause, so that small changes tell little."""
-    return is_read_off(candidate) or any(effect_of_key(key).breakaway for key in candidate.effects)
+    return is_read_off(candidate) or jumps(candidate.effects)
 
 
 def on_top_of_the_best(

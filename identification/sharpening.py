@@ -111,10 +111,11 @@ def steadied(fit: Fit, experiments: Sequence[Experiment]) -> Fit:
     points = points_beside(problem, centre, directions_at(problem, centre, 0.5), moves)
     most = fit.found.error + AS_GOOD
     found = np.concatenate([errors(problem, some, most) for some in np.array_split(points, TRIED // AT_ONCE)])
-    tried = np.vstack([centre, points[found <= most]])
+    near = found <= most
+    tried, here = np.vstack([centre, points[near]]), np.append(fit.found.error, found[near])
     left = [errors_on_all(problem, experiments, tried, is_anchored=is_anchored) for is_anchored in (False, True)]
     best = int(np.argmin(left[0] * left[1]))
-    return fit if best == 0 else finished(problem, Found(tried[best], float(errors(problem, tried[best][None, :])[0])))
+    return fit if best == 0 else finished(problem, Found(tried[best], float(here[best])))
 
 
 def errors_on_all(

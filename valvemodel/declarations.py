@@ -31,11 +31,11 @@ class Parameter:
     first start. `is_fitted` is false for a number that a record cannot tell and that keeps its start. `scale` says
     how a search should move it: "linear" or "log". `prior_spread` is the standard deviation of the weak prior that a
     fit puts on the scaled number: 1 is a factor of e either way; within `reach` of these factors a base parameter is
-    looked for. `is_higher` marks a further one of a series of like
-    numbers: a fit moves it only where it begins off neutral, and no table shows it. `is_later` marks one that
-    came later than its effect: a file that does not name it means its typical value. `acts_in_time` marks one that
-    a fit to settled loops keeps neutral, as their closed form is without it. `is_lag` marks a time by which what passes
-    is delayed: a base valve without it has so much more viscous friction. `is_start` marks where something stands as a
+    looked for. `is_higher` marks a further one of a series of like numbers: a fit moves it only where it begins off
+    neutral, and no table shows it. `is_later` marks one that came later than its effect: a file that does not name it
+    means its typical value. `acts_in_time` marks one that a fit to settled loops keeps neutral, as their closed form is
+    without it. `is_lag` marks a time by which what passes is delayed: a base valve without it has so much more viscous
+    friction. `is_start` marks where something stands as a
     record begins: a number of the record, by which no effect stands in for another.
     """
 

@@ -138,13 +138,10 @@ def scale_of_plays(p: Any) -> Expression:
 
 def rooms_of_plays(p: Any) -> list[Expression]:
     """Return the mean rooms either way of equal shares of the plays, least first. [A]"""
-    even = LEAST_EVENNESS + (1.0 - 2.0 * LEAST_EVENNESS) * p.play_evenness
-    beyond = [1.0 - share for share in SHARES]
-    radii = [
-        (least - most) - (1.0 - even) * (least ** (1.0 / (1.0 - even)) - most ** (1.0 / (1.0 - even)))
-        for least, most in pairwise(beyond)
-    ]
-    return [scale_of_plays(p) * PLAYS * radius / sum(radii) for radius in radii]
+    uneven = 1.0 - LEAST_EVENNESS - (1.0 - 2.0 * LEAST_EVENNESS) * p.play_evenness
+    beyond = [(1.0 - share) - uneven * (1.0 - share) ** (1.0 / uneven) for share in SHARES]
+    scale = scale_of_plays(p) * PLAYS / (beyond[0] - beyond[-1])
+    return [scale * (least - most) for least, most in pairwise(beyond)]
 
 
 def crept(time: Expression, time_constant: Expression, is_logarithmic: Expression) -> Expression:
