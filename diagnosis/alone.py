@@ -19,6 +19,7 @@ from diagnosis.explaining import (
     stops_seen,
 )
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, left_alone
+from diagnosis.rivals import short_of_noise
 from diagnosis.standing import (
     best_of,
     blunt,
@@ -33,6 +34,7 @@ from diagnosis.standing import (
     with_better,
 )
 from diagnosis.trying import Candidate, Progress, Work, glances, jumps, sharpen_all, try_all, try_in_turn
+from identification.bent_lines import straight_line
 from identification.experiment import are_loops
 from identification.extension import Glance
 from identification.fit import Fit
@@ -90,6 +92,7 @@ def try_first(
     alone = with_better(alone, sharpen_all(jumping, holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
     tried = alone if are_of_reading else [*alone, *beside_slips(alone, holdout, pool, progress)]
+    tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 
 
@@ -233,11 +236,18 @@ def rounds(library: Sequence[Effect]) -> list[list[str]]:
 def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops: bool) -> Work:
     """Return how an effect is tried alone: globally, but for one that leaves the stops of a record unexplained.
 
-    Nor is one whose runs take long where a coarse reading comes nearest: it is searched for on top of that.
+    Nor is one whose runs take long where a coarse reading comes nearest, or something else bends the line of the
+    breakaways: it is searched for on top of that.
     """
     leaves_stops = has_stops and effect.is_jagged and not effect.stops_again
-    comes_on_top = effect.is_chaotic and has_read_off(min(tried, key=misfit))
+    comes_on_top = effect.is_chaotic and (has_read_off(min(tried, key=misfit)) or is_off_the_line(base))
     return Work(base, (effect.key,), not (leaves_stops or comes_on_top), kin=kin_of(effect, tried))
+
+
+def is_off_the_line(base: Fit) -> bool:
+    """Return whether the breakaways of a record lie far off a line: what makes the stem jump is not all."""
+    line = straight_line(base)
+    return line is not None and not line.is_in_reach
 
 
 def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:

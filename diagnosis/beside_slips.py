@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
-from diagnosis.looks import Look, look_alone, look_beside
+from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS
+from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -35,10 +36,6 @@ WHAT = "two effects together"
 
 CLOSE_AT_SLIPS, MOST = 1.5, 3
 """Error at the slips, over the best one's, up to which an effect and a law are searched for whole; how many effects."""
-
-NEARER_AT_SLIPS = 0.8
-"""Error at the slips, over that of a law alone, below which an effect and a law must come to be searched for whole: an
-effect's own numbers take in a part of any error."""
 
 AS_WELL = 4.0
 """Error of the line, over the best one's, up to which an effect bends it as well."""
@@ -94,9 +91,10 @@ def beside_slips(
         return try_all(on_top, holdout, pool, progress, WHAT)
     progress("what sets how far the slips go", 0.0)
     keys = [law.effects[0] for law in laws[:MAKERS]]
-    at_slips = look_alone(on_the_line(base.fit.problem, line), line, keys, pool)
-    if at_slips.is_explained(NEARER_AT_SLIPS):
+    alone_at_slips = look_alone(on_the_line(base.fit.problem, line), line, to_look_at(laws[:MAKERS], line), pool)
+    if any(each.explains for each in alone_at_slips):
         return []
+    least_at_slips = min((each.error for each in alone_at_slips), default=math.inf)
     effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
     if line.error <= LIES_ON * line.count:
         # What is seen elsewhere would bend it, or shapes the slips.
@@ -110,12 +108,21 @@ def beside_slips(
         if number < BENDS or (each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect)))
     ]
     progress("how far the slips go beside what bends the line", 0.0)
-    looked = look_beside(worth, keys, pool, at_slips.error)
+    looked = look_beside(worth, keys, pool, alone_at_slips)
     if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     brought = bent[0].effect.key if bent[0].line.is_explained and not line.is_explained else None
-    return try_all(nearest_at_slips(looked, at_slips.error, brought), holdout, pool, progress, WHAT)
+    return try_all(nearest_at_slips(looked, least_at_slips, brought), holdout, pool, progress, WHAT)
+
+
+def to_look_at(laws: Sequence[Candidate], line: Line) -> dict[str, list[SlipSearch] | None]:
+    """Return the laws that are looked at by themselves, with what is known of their slips.
+
+    Where the breakaways lie far off the line that is but a yardstick, and one in closed form does for it.
+    """
+    seen = {law.effects[0]: law.slips for law in laws}
+    return {key: slips for key, slips in seen.items() if line.is_in_reach or not effect_of_key(key).is_chaotic}
 
 
 def is_unseen_elsewhere(effect: Effect) -> bool:

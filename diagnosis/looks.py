@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,6 +19,14 @@ from valvemodel.effects import effect_of_key
 
 LOOSENED = 2.5
 """Error at the slips, over the best one's, both on lines that are held, up to which a line is let loose."""
+
+NEARER_AT_SLIPS = 0.8
+"""Error at the slips, over that of a law alone, below which an effect and a law must come to be searched for whole: an
+effect's own numbers take in a part of any error."""
+
+NEAR_IN_CLOSED_FORM = 1.25
+"""Error at the slips, over the least, up to which a law whose slips have a closed form leads beside other effects: it
+costs a tenth, and an effect that gains much beside one law gains beside the other."""
 
 
 @dataclass(frozen=True)
@@ -44,27 +52,41 @@ class Look:
         """Error at the slips, each judged by itself."""
         return self.slips[0].found.error if self.slips else math.inf
 
-    def is_explained(self, share: float) -> bool:
-        """Return whether a share of the error is less than the noise at the slips."""
-        return bool(self.slips) and share * self.error < noise_at_rests(self.slips[0])
+    @property
+    def explains(self) -> bool:
+        """Whether the law explains the slips so well that none comes much nearer beside an effect."""
+        return bool(self.slips) and NEARER_AT_SLIPS * self.error < noise_at_rests(self.slips[0])
 
 
-def look_alone(fit: Fit, line: Line, laws: Sequence[str], pool: Executor | None) -> Look:
-    """Return what the best of some laws makes of the slips by itself, on the line of a fit."""
+def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None], pool: Executor | None) -> list[Look]:
+    """Return what laws make of the slips by themselves, on the line of a fit, the best first.
+
+    Parameters
+    ----------
+    fit : Fit
+    line : Line
+        Through its breakaways.
+    laws : mapping
+        By key what the forms of each make of the slips, None where that is to be searched for.
+    pool : Executor or None
+    """
     looks = Looks([], pool)
-    looks.search([Look(Work(fit, (law,), True), line, []) for law in laws])
+    begun = [Look(Work(fit, (law,), True), line, slips or []) for law, slips in laws.items()]
+    looks.add([each for each in begun if each.slips])
+    looks.search([each for each in begun if not each.slips])
     looks.loosen()
-    return looks.nearest
+    return sorted(looks.found, key=lambda each: each.error)
 
 
 def look_beside(
-    bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None, alone: float = math.inf
+    bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None, alone: Sequence[Look] = ()
 ) -> list[Look]:
     """Return what laws make of the slips beside effects that bend the line.
 
     Beside the first effect the laws are compared, each in all its forms; beside the others the better one is searched
     near its numbers. Where that comes nearest the laws are compared again: what is better beside a wrong effect need
-    not be.
+    not be. Where the line needs no effect to bend it, what a law makes of the slips alone leads beside all of them, and
+    the laws are compared where that gains.
 
     Parameters
     ----------
@@ -73,23 +95,39 @@ def look_beside(
     laws : sequence of str
         Keys.
     pool : Executor or None
-    alone : float
-        Error at the slips of the best law alone.
+    alone : sequence of Look
+        What laws make of the slips alone, the best first.
     """
     looks = Looks(bent, pool)
-    looks.compare(bent[0], laws)
-    if looks.nearest.error < alone:
+    least = min((each.error for each in alone), default=math.inf)
+    straight = [each for each in alone if each.slips and each.line.is_explained]
+    if straight:
+        looks.follow(leading(straight))
         looks.loosen()
-    looks.follow()
-    looks.loosen()
+        compared, far = None, NEARER_AT_SLIPS * least
+    else:
+        looks.compare(bent[0], laws)
+        if looks.nearest.error < least:
+            looks.loosen()
+        looks.follow(leading(looks.found))
+        looks.loosen()
+        compared, far = bent[0].effect.key, math.inf
     nearest = looks.nearest
-    if nearest.bend != bent[0].effect.key:
+    if nearest.bend != compared and nearest.error < far:
         looks.compare(next(each for each in bent if each.effect.key == nearest.bend), laws)
         looks.loosen()
-        if looks.nearest.error < nearest.error:
-            looks.follow()
+        leader = leading(looks.found)
+        if leader.error < nearest.error:
+            looks.follow(leader)
             looks.loosen()
     return looks.found
+
+
+def leading(looks: Sequence[Look]) -> Look:
+    """Return which of some looks leads beside other effects: the nearest, or in closed form what is about as near."""
+    order = sorted(looks, key=lambda each: each.error)
+    near = [each for each in order if each.error <= NEAR_IN_CLOSED_FORM * order[0].error]
+    return next((each for each in near if not effect_of_key(each.law).is_chaotic), order[0])
 
 
 class Looks:
@@ -115,13 +153,12 @@ class Looks:
         """Search for laws in all their forms beside an effect."""
         self.search([begun_look(beside, law) for law in laws])
 
-    def follow(self) -> None:
+    def follow(self, nearest: Look) -> None:
         """Search for the law that came nearest beside the other effects, near its numbers.
 
         A search that did not come near them leaves an effect behind that is as good. What has other numbers, or where
         there are none to begin near, is searched for by itself.
         """
-        nearest = self.nearest
         others = [begun_look(each, nearest.law) for each in self.bent if each.effect.key != nearest.bend]
         if nearest.slips:
             again = self.map(partial(slips_again, nearest.slips[0]), others)
@@ -136,18 +173,22 @@ class Looks:
         self.add([replace(look, slips=found) for look, found in zip(new, slips, strict=True)])
 
     def add(self, looks: Sequence[Look]) -> None:
-        """Add what was looked at to what is known of the same effect and law."""
+        """Add what was looked at to what is known of the same effect and law: what is worse may get better loose."""
         for look in looks:
-            known = self.held.get(look.work.effects)
-            self.held[look.work.effects] = with_best(look, [*look.slips, *(known.slips if known else [])])
+            known = self.held.get(look.work.effects, replace(look, slips=[]))
+            slips = sorted([*look.slips, *known.slips], key=lambda each: each.found.error)
+            self.held[look.work.effects] = replace(look, slips=slips)
 
     def loosen(self) -> None:
         """Let the line move within its slack beside what comes near while it is held.
 
         That is done under the best form of a law, and under others that are as good where it stays near.
         """
-        within = LOOSENED * min(each.error for each in self.held.values())
-        near = [each for each in self.held.values() if each.slips and each.error <= within]
+        near = [each for each in self.held.values() if each.slips]
+        within = LOOSENED * min((each.error for each in near), default=math.inf)
+        near = [each for each in near if each.error <= within]
+        if not near:
+            return
         self.let_loose([each.slips[0] for each in near])
         within = LOOSENED * self.nearest.error
         near = [each for each in near if self.loose[each.slips[0]].found.error <= within]

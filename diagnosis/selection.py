@@ -16,7 +16,6 @@ from diagnosis.proposals import (
     SHORTLIST_FURTHER,
     exchanged,
     extensions,
-    gains_by_both,
     in_other_forms,
     jumps_anew,
     leaders_of,
@@ -29,8 +28,8 @@ from diagnosis.proposals import (
     reversed_pairs,
     with_jumps,
 )
+from diagnosis.rivals import aliases_of_best, rivals_of_best, short_of_noise, two_that_gain
 from diagnosis.standing import (
-    alone_of,
     best_of,
     blunt,
     breaks_away,
@@ -59,7 +58,7 @@ from diagnosis.trying import (
 )
 from identification.holdout import Holdout
 from identification.restart import is_far_off
-from valvemodel.effects import differ_by_aliases, effect_of_key
+from valvemodel.effects import effect_of_key
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -72,13 +71,6 @@ ALIAS_ROUNDS = 2
 
 BEGUN_AGAIN = 4
 """Best causes of two effects that begin again from the given valve's numbers where their mass is far off."""
-
-ALIASES_BEHIND = 4.0
-"""Squared error over that of the best two effects from which others are not searched about: of fourteen in blind plants
-of our own that began 1.1 to 5.5 times as far none came as near, one by a factor of 3.3, the others of two at most."""
-
-RIVALS_BEHIND = 1.5
-"""The same where the best two explain the record: what is to be a rival must come as near."""
 
 LACKS_A_FORM = 5.0
 """Squared error, over what may be left, up to which the best two effects may lack but the right form. Of twelve blind
@@ -251,7 +243,7 @@ def with_kindred(
     known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
     for choice_of in (rivals_of_best, aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
-    return known
+    return with_better(known, sharpen_all(short_of_noise(known), holdout, pool, progress))
 
 
 def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
@@ -315,22 +307,3 @@ def wide(work: Sequence[Work]) -> list[Work]:
 def still_called_for(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
     """Return work without global searches where something that was tried explains the record, the base being first."""
     return local(work) if any_explains(tried) else list(work)
-
-
-def two_that_gain(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that leave less, by a tenth, than either of these alone, the best first."""
-    alone = alone_of(tried)
-    return [each for each in best_of(tried, 2) if gains_by_both(each, alone)]
-
-
-def rivals_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the causes of two effects that gain by both and may come as near as the best one, that included."""
-    best = best_of(tried, 2)[0]
-    behind = RIVALS_BEHIND if explains(best, tried[0]) else ALIASES_BEHIND
-    return [each for each in two_that_gain(tried) if misfit(each) < behind * misfit(best)]
-
-
-def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return those of the best two effects' rivals that differ from it by an alias."""
-    best = best_of(tried, 2)[0]
-    return [each for each in rivals_of_best(tried) if differ_by_aliases(each.effects, best.effects)]

@@ -13,7 +13,7 @@ from itertools import repeat
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import Glance, continued, extend, extend_from, glanced
+from identification.extension import Glance, continued, extend, extend_from, glanced, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
@@ -60,6 +60,9 @@ class Candidate:
         Whether it was searched about, which takes long and is done once.
     orders : frozenset of tuple of str
         The orders in which its last effect was tried on top of the others; none of what was followed down together.
+    slips : list of SlipSearch or None
+        What the forms of a law of stick-slip alone make of the slips of stairs; None where that shows nothing, or was
+        not asked.
     """
 
     effects: tuple[str, ...]
@@ -70,6 +73,7 @@ class Candidate:
     has_series: bool = False
     is_sharpened: bool = False
     orders: frozenset[tuple[str, ...]] = frozenset()
+    slips: list[SlipSearch] | None = None
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class Work:
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
     """Extend a fit by the last of a cause's effects and score it."""
-    key = work.effects[-1]
+    key, slips = work.effects[-1], slips_asked(work)
     if work.begun is not None:
         extended = continued(work.begun) if work.begun.found.error < work.worth else work.begun
     elif work.is_known and work.known is not None:
@@ -134,11 +138,20 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
             is_global=work.is_global,
             worth=work.worth,
             promise=work.promise,
-            slips=work.slips,
+            slips=slips,
             follows_all=work.follows_all,
             is_thorough=work.is_thorough,
         )
-    return replace(scored(work.effects, extended, holdout), orders=frozenset({work.effects}))
+    shown = slips if slips and len(work.effects) == 1 else None
+    return replace(scored(work.effects, extended, holdout), orders=frozenset({work.effects}), slips=shown)
+
+
+def slips_asked(work: Work) -> list[SlipSearch] | None:
+    """Return what the last effect of a cause makes of the slips of stairs, where its search asks that."""
+    effect = effect_of_key(work.effects[-1])
+    if work.slips is not None or not (work.is_global and effect.breakaway):
+        return work.slips
+    return slips_by(work.fit, effect, work.kin)
 
 
 def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:
@@ -199,7 +212,8 @@ def moved_in(model: Model) -> dict[str, tuple[Parameter, ...]]:
 def sharpen(candidate: Candidate, holdout: Holdout) -> Candidate:
     """Search about the fit of a cause whose error is jagged; return what comes nearer, that or the cause as it was."""
     found = scored(candidate.effects, sharpened(candidate.fit), holdout)
-    return replace(min(candidate, found, key=lambda each: each.score.misfit), is_sharpened=True)
+    nearer = min(candidate, found, key=lambda each: each.score.misfit)
+    return replace(nearer, is_sharpened=True, slips=candidate.slips)
 
 
 def begin_again(candidate: Candidate, holdout: Holdout) -> Candidate:

@@ -233,6 +233,11 @@ class Line:
         """Whether the breakaways lie on the line as well as can be told."""
         return self.error <= OFF_THE_LINE * self.count
 
+    @property
+    def is_in_reach(self) -> bool:
+        """Whether a search along what it leaves open may bring the breakaways onto it."""
+        return self.error <= WORTH_ROAMING * self.count
+
 
 def line_through(breakaways: Breakaways, point: np.ndarray) -> Line:
     """Lay the line of spring, gap and breakaway force through breakaways, from a scaled point on.
@@ -270,7 +275,7 @@ def roamed(line: Line) -> Line:
 
     What lies within its bounds says nothing of the way: a descent ends in a bend of the narrow valley between them.
     """
-    if line.is_explained or line.error > WORTH_ROAMING * line.count:
+    if line.is_explained or not line.is_in_reach:
         return line
 
     def points_of(moves: np.ndarray) -> np.ndarray:

@@ -256,11 +256,13 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
     bent = bent_lines(base, line, [effect_of_key(key) for key in keys], None, lambda *what: None)
     assert all(each.line.is_explained for each in bent)
-    alone = look_alone(on_the_line(base.problem, line), line, ["static_friction"], None).error
+    alone = look_alone(on_the_line(base.problem, line), line, {"static_friction": None}, None)
     looked = look_beside(bent, ["static_friction"], None, alone)
     errors_by = {each.work.effects[0]: each.error for each in looked if each.slips}
     assert set(errors_by) == set(keys)
-    assert errors_by["asymmetric_friction"] < 0.9 * min(errors_by["friction_drift"], errors_by["sensor_drift"], alone)
+    assert errors_by["asymmetric_friction"] < 0.9 * min(
+        errors_by["friction_drift"], errors_by["sensor_drift"], alone[0].error
+    )
 
 
 def test_stick_slip_is_found_on_top_of_what_bends_the_line(given):
@@ -343,10 +345,10 @@ def test_slips_are_looked_at_where_a_law_gains_though_the_line_is_straight(monke
     """Another effect may be better alone: what shapes the slips leaves the breakaways on their line."""
     asked = []
     monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
-    monkeypatch.setattr(slips, "straight_line", lambda fit: SimpleNamespace(is_explained=True))
+    monkeypatch.setattr(slips, "straight_line", lambda fit: SimpleNamespace(is_explained=True, is_in_reach=True))
     monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
-    monkeypatch.setattr(slips, "look_alone", lambda fit, line, keys, pool: asked.append(keys) or explained)
-    explained = SimpleNamespace(is_explained=lambda share: True)
+    monkeypatch.setattr(slips, "look_alone", lambda fit, line, laws, pool: asked.append(list(laws)) or explained)
+    explained = [SimpleNamespace(explains=True)]
     problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
     base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(30.0, "load_force")]

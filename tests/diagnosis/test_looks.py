@@ -64,6 +64,12 @@ def bent(*keys: str) -> list[SimpleNamespace]:
     return [SimpleNamespace(effect=effect_of_key(key), fit=None, line=None) for key in keys]
 
 
+def alone_at(error: float, law: str = "static_friction", *, is_straight: bool = False) -> list[looks.Look]:
+    """Return what a law makes of the slips alone, on a line that needs a bend or none."""
+    line = SimpleNamespace(is_explained=is_straight)
+    return [looks.Look(looks.Work(None, (law,), True), line, [Slip((law,), error)])]
+
+
 def errors_of(found) -> dict[tuple[str, ...], float]:
     return {each.work.effects: each.error for each in found}
 
@@ -81,17 +87,17 @@ def test_the_laws_are_compared_again_beside_the_effect_where_one_came_nearest(as
 
 def test_an_effect_that_looks_worse_while_the_line_is_held_comes_nearest_where_it_moves(asked):
     found = errors_of(
-        looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone=9.0)
+        looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone_at(9.0))
     )
     assert found == {("spring_hardening", "static_friction"): 5.0, ("linkage_nonlinearity", "static_friction"): 0.5}
 
 
 def test_a_line_is_let_loose_once_and_beside_what_comes_near_alone(asked, monkeypatch):
     monkeypatch.setitem(HELD, ("spring_hardening", "stribeck"), 20.0)
-    looks.look_beside(bent("spring_hardening"), ["static_friction", "stribeck"], None, alone=9.0)
+    looks.look_beside(bent("spring_hardening"), ["static_friction", "stribeck"], None, alone_at(9.0))
     assert asked[1] == [("spring_hardening", "static_friction")]
     asked[1].clear()
-    looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone=9.0)
+    looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone_at(9.0))
     # The numbers of the first effect are found once; those of the second near by, and then by themselves.
     assert asked[1].count(("spring_hardening", "static_friction")) == 1
 
@@ -101,7 +107,7 @@ def test_what_bends_the_line_best_is_let_loose_first_only_if_a_law_alone_is_wors
     """It is out of the question as soon as another effect comes much nearer."""
     monkeypatch.setitem(NEAR, ("area_variation", "static_friction"), 1.0)
     monkeypatch.setitem(HELD, ("area_variation", "static_friction"), 1.0)
-    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction"], None, alone=alone)
+    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction"], None, alone_at(alone))
     assert (("spring_hardening", "static_friction") in asked[1]) == is_loose
     assert ("area_variation", "static_friction") in asked[1]
 
@@ -110,6 +116,49 @@ def test_a_law_alone_that_explains_the_slips_leaves_nothing_to_come_nearer(asked
     monkeypatch.setattr(looks, "noise_at_rests", lambda slip: 1.0)
     for error, is_explained in ((1.2, True), (1.3, False)):
         monkeypatch.setitem(HELD, ("static_friction",), error)
-        alone = looks.look_alone(None, None, ["static_friction"], None)
+        (alone,) = looks.look_alone(None, None, {"static_friction": None}, None)
         assert alone.error == error
-        assert alone.is_explained(0.8) == is_explained
+        assert alone.explains == is_explained
+
+
+def test_what_a_law_made_of_the_slips_before_is_not_searched_for_again(asked):
+    known = Slip(("stribeck",), 2.0)
+    (nearest,) = looks.look_alone(None, None, {"stribeck": [known]}, None)
+    assert (nearest.work.effects, nearest.error) == (("stribeck",), 2.0)
+    assert asked == ([], [("stribeck",)])
+    assert looks.look_alone(None, None, {}, None) == []
+
+
+@pytest.mark.parametrize(("gained", "is_compared"), [(4.5, False), (3.0, True)])
+def test_where_no_bend_is_needed_the_law_alone_leads_beside_all_and_the_other_is_tried_where_it_gains(
+    asked, monkeypatch, gained, is_compared
+):
+    monkeypatch.setitem(NEAR, ("area_variation", "static_friction"), gained)
+    monkeypatch.setitem(NEAR, ("spring_hardening", "static_friction"), 4.9)
+    alone = [*alone_at(4.6, "stribeck", is_straight=True), *alone_at(5.0, is_straight=True)]
+    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction", "stribeck"], None, alone)
+    in_full = [("area_variation", "static_friction"), ("area_variation", "stribeck")]
+    assert asked[0] == in_full * is_compared, "static friction is about as near, and has a closed form"
+
+
+def test_the_law_that_is_far_nearer_alone_leads_whatever_it_costs():
+    """Beside an effect that gains it is the one that comes nearest."""
+    alone = [*alone_at(4.0, "stribeck"), *alone_at(5.1)]
+    assert looks.leading(alone).law == "stribeck"
+    assert looks.leading([*alone_at(4.1, "stribeck"), *alone_at(5.1)]).law == "static_friction"
+
+
+def test_what_was_worse_while_the_line_was_held_is_kept_for_where_it_moves(asked, monkeypatch):
+    """Searched for in full the same law comes nearer on the line, and ends farther off."""
+    pair = ("area_variation", "static_friction")
+    near, full = Slip(pair, 4.0), Slip(pair, 3.0)
+    ended = {near: 1.0, full: 2.0}
+    monkeypatch.setattr(looks, "slips_again", lambda *_: [near])
+    monkeypatch.setattr(
+        looks, "slips_of", lambda work, line: [full if work.effects == pair else Slip(work.effects, 9.0)]
+    )
+    monkeypatch.setattr(looks, "let_loose", lambda slip: Slip(slip.effects, ended.get(slip, slip.found.error)))
+    found = errors_of(
+        looks.look_beside(bent("area_variation"), ["static_friction"], None, alone_at(5.0, is_straight=True))
+    )
+    assert found == {pair: 1.0}

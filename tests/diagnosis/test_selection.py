@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from diagnosis import alone as singles
-from diagnosis import proposals, selection, trying
+from diagnosis import proposals, rivals, selection, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
 from diagnosis.standing import (
@@ -692,6 +692,7 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: glance(fit, 2000.0) for key in keys})
     monkeypatch.setattr(singles, "try_in_turn", lambda work, _, *others: try_all(work, *others))
     monkeypatch.setattr(singles, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(singles, "straight_line", lambda fit: None)
     found, problem = SimpleNamespace(error=2000.0), SimpleNamespace(noise_error=100.0)
     base = Candidate((), SimpleNamespace(found=found, problem=problem), SimpleNamespace(misfit=20.0))
     keys = ("coil_lag", "static_friction", "stribeck", "presliding")
@@ -705,6 +706,18 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     others = [effect_of_key(key) for key in keys if key != "static_friction"]
     singles.try_first(base, None, others, None, lambda what, share: None)
     assert ["stribeck"] in asked
+
+
+@pytest.mark.parametrize(
+    ("key", "is_in_reach", "is_global"),
+    [("stribeck", True, True), ("stribeck", False, False), ("static_friction", False, True)],
+)
+def test_the_dear_law_is_searched_for_alone_only_where_the_breakaways_may_lie_on_a_line(
+    monkeypatch, key, is_in_reach, is_global
+):
+    monkeypatch.setattr(singles, "straight_line", lambda fit: SimpleNamespace(is_in_reach=is_in_reach))
+    work = singles.work_on(None, effect_of_key(key), [candidate(20.0), candidate(9.0, "coil_lag")], has_stops=True)
+    assert work.is_global == is_global
 
 
 @pytest.mark.parametrize(
@@ -821,8 +834,8 @@ def test_two_effects_that_leave_what_one_of_them_leaves_are_that_one():
         candidate(50.0, "static_friction"),
     ]
     idle, both = candidate(3.15, "stribeck", "chamber_filling"), candidate(2.0, "end_stop", "stribeck")
-    assert selection.two_that_gain([*tried, idle, both]) == [both]
-    assert selection.two_that_gain([*tried, idle]) == selection.rivals_of_best([*tried, idle]) == []
+    assert rivals.two_that_gain([*tried, idle, both]) == [both]
+    assert rivals.two_that_gain([*tried, idle]) == rivals.rivals_of_best([*tried, idle]) == []
     assert proposals.in_other_forms([*tried, idle]) == []
     assert {each.effects for each in proposals.other_laws([*tried, idle, both])} >= {("end_stop", "static_friction")}
     for proposed in (proposals.jumps_anew, proposals.other_laws):
@@ -847,8 +860,19 @@ def test_aliases_of_the_best_two_are_searched_about_where_they_may_come_as_near(
     alias, other = (candidate(best * behind, *each) for each in (("coil_lag", "stribeck"), ("coil_lag", "end_stop")))
     nearest = candidate(best, "coil_lag", "static_friction")
     known = [*tried, nearest, alias, other]
-    assert selection.aliases_of_best(known) == [alias] * is_near
-    assert selection.rivals_of_best(known) == [nearest, *[alias, other] * is_near]
+    assert rivals.aliases_of_best(known) == [alias] * is_near
+    assert rivals.rivals_of_best(known) == [nearest, *[alias, other] * is_near]
+
+
+def test_rivals_that_jump_are_searched_about_though_they_explain_where_they_left_some_of_what_they_were_fitted_to():
+    """Where the error is jagged a right pair ends a little above a wrong one that was lucky."""
+    known = [candidate(40.0), candidate(30.0, "area_variation"), candidate(35.0, "static_friction")]
+    lucky, right = candidate(1.02, "area_variation", "static_friction"), candidate(1.1, "coil_lag", "static_friction")
+    known += [lucky, right, candidate(1.2, "coil_lag", "area_variation"), candidate(1.2, "coil_lag", "stribeck")]
+    assert rivals.short_of_noise(known) == [right]
+    assert rivals.short_of_noise([*known[:-3], replace(right, is_sharpened=True)]) == []
+    many = [candidate(1.1, key, "static_friction") for key in ("air_leak", "coil_lag", "gap_drift", "supply_droop")]
+    assert rivals.short_of_noise([*known[:4], *many]) == many[: rivals.SHORT_OF_NOISE]
 
 
 @pytest.mark.parametrize(("left", "is_asked"), [(5.0, True), (6.0, False)])
