@@ -8,10 +8,11 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import beside_slips
+from diagnosis.beside_slips import beside_slips, lags_beside_jumps
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
+    any_explains,
     explains,
     leaves_nothing_to_tell,
     misfit,
@@ -91,7 +92,10 @@ def try_first(
     jumping = [each for each in blunt(best_of(alone, 1), base) if misfit(each) < NEAR_ENOUGH * allowed(base)]
     alone = with_better(alone, sharpen_all(jumping, holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    tried = alone if are_of_reading else [*alone, *beside_slips(alone, holdout, pool, progress)]
+    tried = alone
+    if not are_of_reading:
+        tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
+        tried += [] if any_explains(tried) else beside_slips(alone, holdout, pool, progress)
     tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 

@@ -44,6 +44,7 @@ from identification.search import (
     principal_directions,
     roam,
 )
+from identification.sharpening import searched_about
 from identification.stick_slip import (
     LAWFUL,
     SlipSearch,
@@ -53,9 +54,11 @@ from identification.stick_slip import (
     search_beside_other,
     search_near,
     search_slips,
+    tempered,
 )
 from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
+from valvemodel.model import Model
 
 KEPT_STARTS = 2
 """Starts that are followed down in each group, after all were screened."""
@@ -82,6 +85,10 @@ where laws of stick-slip are compared beside another effect."""
 
 FURTHER = 2
 """Points on which a derivative serves while the best start is followed further."""
+
+ABOUT = 1.0
+"""How far a search about the start of a lag beside jumps goes along a principal direction, in changes of the residual
+over the residual."""
 
 HOPELESS, IN_REACH = 2.0, 5.0
 """Error over what is worth it, and over that of the noise, above which no start beside other effects is followed
@@ -424,7 +431,8 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial]) -> list[Start]:
     as_known = [group[0], *others] if not fit.model.effects or is_far_off(fit) else others
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
-    starts += starts_traded(fit, effect, form_of(effect, group[0].problem))
+    lagging = starts_traded(fit, effect, form_of(effect, group[0].problem))
+    starts += [searched_from(*each) for each in lagging] if jumps_in_closed_form(fit.model) else lagging
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -435,6 +443,17 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial]) -> list[Start]:
 def starts_traded(fit: Fit, effect: Effect, form: Form) -> list[Start]:
     """Return where a lag of a form takes over what the base valve has too much of; none where there is nothing."""
     return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect, [form])]
+
+
+def jumps_in_closed_form(model: Model) -> bool:
+    """Return whether the stem of a model jumps, and a run of it takes no longer for that."""
+    effects = [effect_of_key(key) for key in model.effects]
+    return any(each.breakaway for each in effects) and not any(each.is_chaotic for each in effects)
+
+
+def searched_from(problem: Problem, point: np.ndarray) -> Start:
+    """Return where a search about a start ends, by the re-anchored run: from afar slips fall elsewhere."""
+    return problem, searched_about(tempered(problem, is_anchored=True), point, 0, ABOUT).point
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:

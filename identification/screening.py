@@ -251,13 +251,10 @@ def traded(fit: Fit, effect: Effect, forms: Iterable[Form]) -> list[tuple[dict[s
     """
     lags = [each for each in effect.fitted if each.is_lag]
     numbers = {unknown.name: number for number, unknown in enumerate(fit.unknowns)}
-    if not lags or not {"viscous_friction", "spring_rate"} <= numbers.keys():
+    if not lags or "spring_rate" not in numbers or not is_sluggish(fit, TOO_MUCH):
         return []
     friction, stiffness = numbers["viscous_friction"], numbers["spring_rate"]
-    excess = fit.found.point[friction]
-    if excess < math.log(TOO_MUCH):
-        return []
-    unknown = fit.unknowns[friction]
+    excess, unknown = fit.found.point[friction], fit.unknowns[friction]
     rate = fit.unknowns[stiffness].value(fit.found.point[stiffness])
     time = float((unknown.value(excess) - unknown.value(LIVELY["viscous_friction"])) / rate)
     values = {each.name: each.neutral for each in effect.parameters}
@@ -267,6 +264,12 @@ def traded(fit: Fit, effect: Effect, forms: Iterable[Form]) -> list[tuple[dict[s
         if name in LIVELY:
             move[number] = LIVELY[name] - fit.found.point[number]
     return [(values | dict(form), move) for form in forms]
+
+
+def is_sluggish(fit: Fit, times: float) -> bool:
+    """Return whether a fit has so many times the viscous friction that was given, or more."""
+    found = zip(fit.found.point, fit.unknowns, strict=True)
+    return any(unknown.name == "viscous_friction" and at >= math.log(times) for at, unknown in found)
 
 
 def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:

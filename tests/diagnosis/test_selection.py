@@ -65,6 +65,7 @@ def test_what_comes_nearer_beside_slips_that_leave_no_trace_is_tried_alone_from_
     alone = [candidate(90.0), candidate(9.0, "linkage_nonlinearity"), candidate(50.0, "static_friction")]
     idle = replace(candidate(0.93, "linkage_nonlinearity", "static_friction"), trace=0.0)
     monkeypatch.setattr(singles, "stops_seen", lambda fit: False)
+    monkeypatch.setattr(singles, "lags_beside_jumps", lambda *_: [])
     for name, made in (("try_by_promise", alone), ("try_widely", alone), ("beside_slips", [idle]), ("nearly", [])):
         monkeypatch.setattr(singles, name, lambda *_, made=made, **__: made)
     monkeypatch.setattr(singles, "blunt", lambda *_: [])
@@ -881,6 +882,7 @@ def test_what_jumps_alone_is_searched_about_where_it_may_explain_the_record(monk
     monkeypatch.setattr(singles, "stops_seen", lambda fit: False)
     monkeypatch.setattr(singles, "try_all", lambda *_: [])
     monkeypatch.setattr(singles, "sharpen_all", lambda causes, *_: asked.extend(causes) or [])
+    monkeypatch.setattr(singles, "lags_beside_jumps", lambda *_: [])
     for name, made in (("try_by_promise", alone), ("try_widely", alone), ("beside_slips", []), ("nearly", [])):
         monkeypatch.setattr(singles, name, lambda *_, made=made, **__: made)
     singles.try_first(alone[0], None, [], None, None)
