@@ -1,4 +1,4 @@
-"""Alone: every effect by itself, and what makes the stem jump beside what bends the line of its breakaways."""
+"""Alone: every effect by itself, and what makes the stem jump beside what lags or bends the line of its breakaways."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import beside_slips, lags_beside_jumps
+from diagnosis.beside_slips import beside_slips
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
@@ -19,6 +19,7 @@ from diagnosis.explaining import (
     nearly_explains,
     stops_seen,
 )
+from diagnosis.lags_beside_jumps import lags_beside_jumps
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, left_alone
 from diagnosis.rivals import short_of_noise
 from diagnosis.standing import (
@@ -78,11 +79,11 @@ def try_first(
     progress: Progress,
     known: Sequence[Candidate] = (),
 ) -> list[Candidate]:
-    """Try every effect alone, and what makes the stem jump beside what bends the line through its breakaways.
+    """Try every effect alone, and what makes the stem jump beside what lags or bends the line through its breakaways.
 
-    Where that leaves no trace beside another, the other alone had ended beside the least error. Where the stops are of
-    a coarse reading nothing speaks for jumps. Beside causes that are known to explain the record only what a local
-    search finds is tried.
+    Rivals of those two that end short of the noise are searched about. Where one of them leaves no trace beside
+    another, the other alone had ended beside the least error. Where the stops are of a coarse reading nothing speaks
+    for jumps. Beside causes that are known to explain the record only what a local search finds is tried.
     """
     local, *searched = rounds(library)
     alone = [*try_by_promise(base, holdout, local, pool, progress), *known]
@@ -95,7 +96,8 @@ def try_first(
     tried = alone
     if not are_of_reading:
         tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
-        tried += [] if any_explains(tried) else beside_slips(alone, holdout, pool, progress)
+        if not any_explains(tried):
+            tried += beside_slips(alone, holdout, pool, progress)
     tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 
@@ -241,15 +243,16 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
     """Return how an effect is tried alone: globally, but for one that leaves the stops of a record unexplained.
 
     Nor is one whose runs take long where a coarse reading comes nearest, or something else bends the line of the
-    breakaways: it is searched for on top of that.
+    breakaways of stops: it is searched for on top of that.
     """
     leaves_stops = has_stops and effect.is_jagged and not effect.stops_again
-    comes_on_top = effect.is_chaotic and (has_read_off(min(tried, key=misfit)) or is_off_the_line(base))
-    return Work(base, (effect.key,), not (leaves_stops or comes_on_top), kin=kin_of(effect, tried))
+    is_bent = has_stops and effect.is_chaotic and is_off_the_line(base)
+    comes_on_top = effect.is_chaotic and has_read_off(min(tried, key=misfit))
+    return Work(base, (effect.key,), not (leaves_stops or comes_on_top or is_bent), kin=kin_of(effect, tried))
 
 
 def is_off_the_line(base: Fit) -> bool:
-    """Return whether the breakaways of a record lie far off a line: what makes the stem jump is not all."""
+    """Return whether the breakaways of a record lie so far off a line that no search along it brings them there."""
     line = straight_line(base)
     return line is not None and not line.is_in_reach
 

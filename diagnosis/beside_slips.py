@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -10,15 +9,12 @@ from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
-from diagnosis.rivals import short_of_noise
-from diagnosis.standing import best_of, is_near_noise, values_alone, with_better
-from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
+from diagnosis.standing import alone_of
+from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
-from identification.extension import jumps_in_closed_form
 from identification.fit import Fit
 from identification.holdout import Holdout
-from identification.screening import is_sluggish
 from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
@@ -34,10 +30,6 @@ SOME, FAR_OFF = 0.9, 5.0
 """Share of the base's squared error below which such a law must come alone where the record shows no rests on the way,
 and over that of the best alone: what only looks like breakaways lies on no line either. Of twenty blind pairs of our
 own in which a stem jumps the law alone left up to 3.4 times what the best did, of two without 13 and 20 times."""
-
-FAR_TOO_MUCH = 3.0
-"""Viscous friction of a law alone, over that which was given, from which it stands in for a lag: slips last as long by
-either. In 21 blind plants of our own without a lag it was 0.6 to 1.4 times, in two with one 9 and 17."""
 
 WHAT = "two effects together"
 """What is said meanwhile."""
@@ -77,12 +69,13 @@ def beside_slips(
     Returns
     -------
     list of Candidate
-        Causes of two effects; empty where nothing speaks for stick-slip, a coarse reading comes nearer, one effect
-        explains the gap, no line is bent and a law is not the best alone, or no two come nearer at the slips than a law
-        alone.
+        Causes of two effects, or a law alone where nothing bends the line; empty where nothing speaks for stick-slip, a
+        coarse reading comes nearer, one effect explains the gap, no line is bent and a law is not the best alone, or no
+        two come nearer at the slips than a law alone.
     """
     base = alone[0]
-    laws = sorted((each for each in alone[1:] if effect_of_key(each.effects[0]).breakaway), key=misfit)
+    single = alone_of(alone)
+    laws = sorted((each for key, each in single.items() if effect_of_key(key).breakaway), key=misfit)
     if not laws or any_explains(alone):
         return []
     far = min(SOME * misfit(base), FAR_OFF * min(map(misfit, alone[1:])))
@@ -102,14 +95,16 @@ def beside_slips(
     alone_at_slips = look_alone(on_the_line(base.fit.problem, line), line, to_look_at(laws[:MAKERS], line), pool)
     if any(each.explains for each in alone_at_slips):
         return []
-    least_at_slips = min((each.error for each in alone_at_slips), default=math.inf)
-    effects = [effect_of_key(each.effects[0]) for each in alone[1:]]
+    effects = [effect_of_key(key) for key in single]
     if line.error <= LIES_ON * line.count:
         # What is seen elsewhere would bend it, or shapes the slips.
         effects = list(filter(is_unseen_elsewhere, effects))
     bent = bent_lines(base.fit, line, effects, pool, progress, is_thorough=gains)
     if not bent:
-        return try_all(on_top, holdout, pool, progress, WHAT)
+        # Nothing bends the line: what was left for on top of that is all there is.
+        left = [law for law in laws if effect_of_key(law.effects[0]).is_chaotic and not line.is_in_reach]
+        anew = [Work(base.fit, law.effects, True, kin=laws[0].fit if law is not laws[0] else None) for law in left]
+        return try_all([*on_top, *anew], holdout, pool, progress, WHAT)
     worth = [
         each
         for number, each in enumerate(bent)
@@ -121,7 +116,7 @@ def beside_slips(
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     brought = bent[0].effect.key if bent[0].line.is_explained and not line.is_explained else None
-    return try_all(nearest_at_slips(looked, least_at_slips, brought), holdout, pool, progress, WHAT)
+    return try_all(nearest_at_slips(looked, alone_at_slips[0].error, brought), holdout, pool, progress, WHAT)
 
 
 def to_look_at(laws: Sequence[Candidate], line: Line) -> dict[str, list[SlipSearch] | None]:
@@ -130,32 +125,8 @@ def to_look_at(laws: Sequence[Candidate], line: Line) -> dict[str, list[SlipSear
     Where the breakaways lie far off the line that is but a yardstick, and one in closed form does for it.
     """
     seen = {law.effects[0]: law.slips for law in laws}
-    return {key: slips for key, slips in seen.items() if line.is_in_reach or not effect_of_key(key).is_chaotic}
-
-
-def lags_beside_jumps(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
-    """Try what lags on top of a law in closed form that gains alone, and has far too much viscous friction for that.
-
-    It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
-    laws takes long, and comes last, unless another comes to the noise.
-    """
-    if any_explains(alone):
-        return []
-    base, *others = alone
-    values, tried = values_alone(alone), list(alone)
-    laws = [law for law in others if jumps_in_closed_form(law.fit.model)]
-    laws = [law for law in laws if misfit(law) < SOME * misfit(base) and is_sluggish(law.fit, FAR_TOO_MUCH)]
-    lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]
-    for takes_long in (False, True):
-        keys = [key for key in lags if bool(effect_of_key(key).laws) == takes_long]
-        work = [Work(law.fit, (*law.effects, key), False, values[key]) for law in laws for key in keys]
-        tried += try_all(work, holdout, pool, progress, WHAT)
-        tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
-        if any(is_near_noise(each, base) for each in best_of(tried, 2)):
-            break
-    return best_of(tried, 2)
+    kept = {key: slips for key, slips in seen.items() if line.is_in_reach or not effect_of_key(key).is_chaotic}
+    return kept or seen
 
 
 def is_unseen_elsewhere(effect: Effect) -> bool:

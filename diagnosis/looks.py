@@ -31,7 +31,7 @@ costs a tenth, and an effect that gains much beside one law gains beside the oth
 
 @dataclass(frozen=True)
 class Look:
-    """What a law on top of an effect, or alone, makes of the slips on a line; the best form of it first."""
+    """What a law on top of an effect, or alone, makes of the slips on a line; the best search for it first."""
 
     work: Work
     line: Line
@@ -102,9 +102,10 @@ def look_beside(
     least = min((each.error for each in alone), default=math.inf)
     straight = [each for each in alone if each.slips and each.line.is_explained]
     if straight:
-        looks.follow(leading(straight))
+        leader = leading(straight)
+        looks.follow(leader)
         looks.loosen()
-        compared, far = None, NEARER_AT_SLIPS * least
+        compared, far = None, NEARER_AT_SLIPS * leader.error
     else:
         looks.compare(bent[0], laws)
         if looks.nearest.error < least:
@@ -182,7 +183,7 @@ class Looks:
     def loosen(self) -> None:
         """Let the line move within its slack beside what comes near while it is held.
 
-        That is done under the best form of a law, and under others that are as good where it stays near.
+        That is done under the best search for a law, and under others that are as good where it stays near.
         """
         near = [each for each in self.held.values() if each.slips]
         within = LOOSENED * min((each.error for each in near), default=math.inf)

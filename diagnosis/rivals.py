@@ -37,8 +37,8 @@ def rivals_of_best(tried: Sequence[Candidate]) -> list[Candidate]:
 def short_of_noise(tried: Sequence[Candidate]) -> list[Candidate]:
     """Return the rivals of the best two effects, that included, of which one makes the stem jump, that end too early.
 
-    They explain the record, but leave some of what they were fitted to: another comes nearer there for no other reason
-    than that the error is jagged.
+    They explain the record, but leave some of what they were fitted to: another may come nearer there only because the
+    error is jagged.
     """
     if not best_of(tried, 2):
         return []

@@ -13,7 +13,7 @@ from itertools import repeat
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import Glance, continued, extend, extend_from, glanced, slips_by
+from identification.extension import Glance, continued, extend, extend_from, glanced, slips_asked
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
@@ -124,12 +124,14 @@ class Work:
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
     """Extend a fit by the last of a cause's effects and score it."""
-    key, slips = work.effects[-1], slips_asked(work)
+    key, slips = work.effects[-1], work.slips
     if work.begun is not None:
         extended = continued(work.begun) if work.begun.found.error < work.worth else work.begun
     elif work.is_known and work.known is not None:
         extended = extend_from(work.fit, key, work.known, worth=work.worth)
     else:
+        if slips is None:
+            slips = slips_asked(work.fit, effect_of_key(key), work.kin, is_global=work.is_global)
         extended = extend(
             work.fit,
             key,
@@ -144,14 +146,6 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
         )
     shown = slips if slips and len(work.effects) == 1 else None
     return replace(scored(work.effects, extended, holdout), orders=frozenset({work.effects}), slips=shown)
-
-
-def slips_asked(work: Work) -> list[SlipSearch] | None:
-    """Return what the last effect of a cause makes of the slips of stairs, where its search asks that."""
-    effect = effect_of_key(work.effects[-1])
-    if work.slips is not None or not (work.is_global and effect.breakaway):
-        return work.slips
-    return slips_by(work.fit, effect, work.kin)
 
 
 def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:

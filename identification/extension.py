@@ -47,6 +47,7 @@ from identification.search import (
 from identification.sharpening import searched_about
 from identification.stick_slip import (
     LAWFUL,
+    REACH,
     SlipSearch,
     error_at_rests,
     form_of,
@@ -54,7 +55,6 @@ from identification.stick_slip import (
     search_beside_other,
     search_near,
     search_slips,
-    tempered,
 )
 from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
@@ -169,7 +169,7 @@ def extend(
     promise : float
         Share of the fit's error that starts must promise to explain to be followed.
     slips : list of SlipSearch or None
-        What `slips_by` found; None where it was not asked.
+        What `slips_asked` found; None where it was not asked.
     follows_all : bool
         Whether every start is followed by itself, not the most promising of each form alone.
     is_thorough : bool
@@ -182,9 +182,7 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
-    begun = slips
-    if begun is None:
-        begun = slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+    begun = slips if slips is not None else slips_asked(fit, effect, kin, is_global=is_global)
     if not begun:
         return extended(
             fit,
@@ -329,6 +327,11 @@ def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = 
     return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
 
 
+def slips_asked(fit: Fit, effect: Effect, kin: Fit | None, *, is_global: bool) -> list[SlipSearch]:
+    """Return what an effect makes of the slips of stairs, where a search for it asks that: a global one, for a law."""
+    return slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+
+
 @threadpool_limits.wrap(limits=1)
 def slips_by(fit: Fit, effect: Effect, kin: Fit | None = None, line: Line | None = None) -> list[SlipSearch]:
     """Return what the forms of an effect that makes the stem jump make of the slips of stairs, the best first.
@@ -432,7 +435,9 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial]) -> list[Start]:
     starts = [(trial.problem, trial.point) for trial in [*kept, *of_another_side(effect, group, kept)]]
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
     lagging = starts_traded(fit, effect, form_of(effect, group[0].problem))
-    starts += [searched_from(*each) for each in lagging] if jumps_in_closed_form(fit.model) else lagging
+    starts += lagging
+    if jumps_in_closed_form(fit.model):
+        starts += [searched_from(*each) for each in lagging]
     if makes_pressure(effect):
         for trial in kept:
             begun = with_pressures_of(fit.problem, fit.found.point, trial.problem, trial.point)
@@ -453,7 +458,8 @@ def jumps_in_closed_form(model: Model) -> bool:
 
 def searched_from(problem: Problem, point: np.ndarray) -> Start:
     """Return where a search about a start ends, by the re-anchored run: from afar slips fall elsewhere."""
-    return problem, searched_about(tempered(problem, is_anchored=True), point, 0, ABOUT).point
+    reached = [replace(each, reach=REACH) for each in problem.experiments]
+    return problem, searched_about(replace(problem, experiments=reached, is_anchored=True), point, 0, ABOUT).point
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:

@@ -340,7 +340,7 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
 
 
 def worth_loosening(begun: Sequence[SlipSearch]) -> list[SlipSearch]:
-    """Return the forms of an effect, the best first, under whose slips the line should move: none that is far off."""
+    """Return the searches for an effect, the best first, under whose slips the line should move: none far off."""
     return [each for each in begun if each.found.error <= CLOSE_AT_SLIPS * begun[0].found.error]
 
 

@@ -356,50 +356,6 @@ def test_slips_are_looked_at_where_a_law_gains_though_the_line_is_straight(monke
     assert asked == [["static_friction"]] * is_looked_at
 
 
-def sluggish(cause: Candidate, times: float) -> Candidate:
-    """Return a cause whose fit has so many times the viscous friction that was given."""
-    values = {key: {} for key in cause.effects}
-    unknowns = [SimpleNamespace(name="spring_rate"), SimpleNamespace(name="viscous_friction")]
-    found = SimpleNamespace(point=np.array([5.0, np.log(times)]))
-    return replace(cause, fit=SimpleNamespace(model=SimpleNamespace(effects=values), unknowns=unknowns, found=found))
-
-
-@pytest.mark.parametrize(
-    ("law", "left", "times", "is_tried"),
-    [
-        ("static_friction", 20.0, 4.0, True),
-        ("static_friction", 20.0, 2.0, False),
-        ("static_friction", 38.0, 4.0, False),
-        ("static_friction", 1.1, 4.0, False),
-        ("stribeck", 20.0, 4.0, False),
-    ],
-)
-def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(monkeypatch, law, left, times, is_tried):
-    asked = []
-    monkeypatch.setattr(slips, "try_all", lambda work, *_: asked.append([each.effects for each in work]) or [])
-    monkeypatch.setattr(slips, "sharpen_all", lambda *_: [])
-    alone = [sluggish(named(each.score.misfit, *each.effects), times) for each in (named(40.0), named(left, law))]
-    alone += [named(39.0, key) for key in ("air_leak", "chamber_filling", "sensor_lag", "transport_delay")]
-    alone[2:] = [sluggish(each, 1.0) for each in alone[2:]]
-    found = slips.lags_beside_jumps(alone, None, None, lambda *what: None)
-    quick, slow = [(law, "sensor_lag"), (law, "transport_delay")], [(law, "chamber_filling")]
-    assert found == []
-    assert [each for each in asked if each] == [quick, slow] * is_tried
-
-
-def test_what_lags_by_several_laws_is_not_tried_beside_jumps_where_another_lag_comes_to_the_noise(monkeypatch):
-    asked = []
-    lagging = named(1.0, "static_friction", "sensor_lag")
-    monkeypatch.setattr(slips, "try_all", lambda work, *_: asked.append([each.effects for each in work]) or [lagging])
-    monkeypatch.setattr(slips, "sharpen_all", lambda *_: [])
-    monkeypatch.setattr(slips, "short_of_noise", lambda tried: [])
-    monkeypatch.setattr(slips, "is_near_noise", lambda each, base: each.score.misfit < 1.1)
-    alone = [named(40.0), named(20.0, "static_friction"), named(39.0, "chamber_filling"), named(39.0, "sensor_lag")]
-    found = slips.lags_beside_jumps([sluggish(each, 4.0) for each in alone], None, None, lambda *what: None)
-    assert [each.effects for each in found] == [lagging.effects]
-    assert asked == [[("static_friction", "sensor_lag")]]
-
-
 def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
     alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
     assert beside_the_best(alone, alone[1]) == []
@@ -501,3 +457,29 @@ def test_a_law_found_beside_one_effect_is_near_beside_another(given):
     (beside, *_) = slips_beside(found, other.fit, law, other.line)
     assert "area_slope" in [unknown.name for unknown in beside.slips.problem.unknowns]
     assert beside.found.error > again.found.error
+
+
+def test_a_law_that_is_alone_is_looked_at_however_far_the_line_is():
+    laws = [replace(named(9.0, "static_friction"), slips=["found"]), named(10.0, "stribeck")]
+    seen = slips.to_look_at(laws, SimpleNamespace(is_in_reach=True))
+    assert seen == {"static_friction": ["found"], "stribeck": None}
+    assert slips.to_look_at(laws, SimpleNamespace(is_in_reach=False)) == {"static_friction": ["found"]}
+    assert slips.to_look_at(laws[1:], SimpleNamespace(is_in_reach=False)) == {"stribeck": None}
+
+
+@pytest.mark.parametrize(("is_in_reach", "is_anew"), [(False, True), (True, False)])
+def test_the_dear_law_is_searched_for_alone_after_all_where_nothing_bends_the_line(monkeypatch, is_in_reach, is_anew):
+    line = SimpleNamespace(is_explained=False, is_in_reach=is_in_reach, error=99.0, count=10)
+    monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(slips, "straight_line", lambda fit: line)
+    monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
+    monkeypatch.setattr(slips, "look_alone", lambda *given: [SimpleNamespace(explains=False, error=9.0)])
+    monkeypatch.setattr(slips, "bent_lines", lambda *given, **how: [])
+    monkeypatch.setattr(slips, "try_all", lambda work, *_: work)
+    base = replace(named(40.0), fit=SimpleNamespace(problem=None))
+    alone = [base, named(30.0, "static_friction"), named(35.0, "stribeck"), named(20.0, "supply_droop")]
+    alone.append(named(19.0, "static_friction", "quantisation"))
+    work = slips.beside_slips(alone, None, None, lambda *what: None)
+    assert [(each.effects, each.is_global, each.kin) for each in work] == [
+        (("stribeck",), True, "static_friction")
+    ] * is_anew

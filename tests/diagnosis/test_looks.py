@@ -129,7 +129,7 @@ def test_what_a_law_made_of_the_slips_before_is_not_searched_for_again(asked):
     assert looks.look_alone(None, None, {}, None) == []
 
 
-@pytest.mark.parametrize(("gained", "is_compared"), [(4.5, False), (3.0, True)])
+@pytest.mark.parametrize(("gained", "is_compared"), [(4.1, False), (3.9, True)])
 def test_where_no_bend_is_needed_the_law_alone_leads_beside_all_and_the_other_is_tried_where_it_gains(
     asked, monkeypatch, gained, is_compared
 ):

@@ -930,3 +930,20 @@ def test_where_no_stops_are_seen_a_law_whose_slips_hang_by_a_hair_is_tried_if_an
     tried = [candidate(90.0), candidate(40.0, "load_force")]
     singles.try_widely(tried, [["static_friction"], ["stribeck"]], None, None, None, has_stops=False)
     assert asked == ["static_friction"] + ["stribeck"] * is_tried
+
+
+@pytest.mark.parametrize(("effects", "found", "kept"), [(1, ["slip"], ["slip"]), (1, [], None), (2, ["slip"], None)])
+def test_what_a_law_alone_makes_of_the_slips_stays_with_it(monkeypatch, effects, found, kept):
+    asked = []
+    work = Work(SimpleNamespace(), ("coil_lag", "static_friction")[-effects:], True)
+    made = candidate(9.0, *work.effects)
+    monkeypatch.setattr(trying, "slips_asked", lambda fit, effect, kin, is_global: found)
+    monkeypatch.setattr(trying, "extend", lambda *_, slips, **__: asked.append(slips) or made.fit)
+    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: made)
+    tried = trying.try_effect(work, None)
+    assert asked == [found]
+    assert tried.slips == kept
+    monkeypatch.setattr(trying, "sharpened", lambda fit: fit)
+    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: candidate(8.0, *effects))
+    sharper = trying.sharpen(tried, None)
+    assert (sharper.score.misfit, sharper.slips) == (8.0, kept)

@@ -61,6 +61,21 @@ def test_the_valve_as_given_is_a_start_alone_or_where_the_mass_is_far_off(monkey
     assert [point[0] for _, point in starts] == expected
 
 
+@pytest.mark.parametrize(
+    ("beside", "expected"),
+    [("static_friction", [1.0, 5.0, 7.0]), ("stribeck", [1.0, 5.0]), ("spring_hardening", [1.0, 5.0])],
+)
+def test_where_a_lag_takes_over_from_slips_that_last_is_searched_about(monkeypatch, beside, expected):
+    for choice in ("of_another_form", "of_another_side", "form_of"):
+        monkeypatch.setattr(extension, choice, lambda *_: [])
+    monkeypatch.setattr(extension, "is_far_off", lambda fit: False)
+    monkeypatch.setattr(extension, "starts_traded", lambda *_: [("traded", np.array([5.0]))])
+    monkeypatch.setattr(extension, "searched_from", lambda problem, point: (problem, point + 2.0))
+    group = [Trial("problem", np.array([1.0]), 0.0)]
+    starts = starts_from(fit_of(900.0, beside), effect_of_key("sensor_lag"), group)
+    assert [point[0] for _, point in starts] == expected
+
+
 @pytest.mark.parametrize(("left", "is_followed"), [(899.0, True), (901.0, False)])
 def test_what_is_no_nearer_within_coarse_steps_is_left(monkeypatch, left, is_followed):
     followed = []

@@ -1,0 +1,45 @@
+"""Lags beside jumps: what lags on top of a law of stick-slip whose viscous friction stands in for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+
+from diagnosis.beside_slips import SOME, WHAT
+from diagnosis.explaining import any_explains, misfit
+from diagnosis.rivals import short_of_noise
+from diagnosis.standing import best_of, is_blunt, is_near_noise, values_alone, with_better
+from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
+from identification.holdout import Holdout
+from identification.screening import is_sluggish
+from valvemodel.effects import effect_of_key
+
+FAR_TOO_MUCH = 3.0
+"""Viscous friction of a law alone, over that which was given, from which it stands in for a lag: slips last as long by
+either. In 21 blind plants of our own without a lag it was 0.6 to 1.4 times, in two with one 9 and 17."""
+
+
+def lags_beside_jumps(
+    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try what lags on top of a law in closed form that gains alone, and has far too much viscous friction for that.
+
+    It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
+    laws takes long, and comes last, unless another comes to the noise.
+    """
+    if any_explains(alone):
+        return []
+    base, values, tried = alone[0], values_alone(alone), list(alone)
+    laws = [law for law in best_of(alone, 1) if is_blunt(law) and misfit(law) < SOME * misfit(base)]
+    laws = [law for law in laws if is_sluggish(law.fit, FAR_TOO_MUCH)]
+    if not laws:
+        return []
+    lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]
+    for has_laws in (False, True):
+        keys = [key for key in lags if bool(effect_of_key(key).laws) == has_laws]
+        work = [Work(law.fit, (*law.effects, key), False, values[key]) for law in laws for key in keys]
+        tried += try_all(work, holdout, pool, progress, WHAT)
+        tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
+        if any(is_near_noise(each, base) for each in best_of(tried, 2)):
+            break
+    return best_of(tried, 2)
