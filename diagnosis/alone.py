@@ -35,7 +35,7 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Progress, Work, glances, jumps, sharpen_all, try_all, try_in_turn
+from diagnosis.trying import Candidate, Progress, Work, glances, sharpen_all, try_all, try_in_turn
 from identification.bent_lines import straight_line
 from identification.experiment import are_loops
 from identification.extension import Glance
@@ -44,7 +44,7 @@ from identification.hints import begins_at_periods
 from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT
 from valvemodel.declarations import Effect
-from valvemodel.effects import differ_by_aliases, effect_of_key
+from valvemodel.effects import differ_by_aliases, effect_of_key, jumps
 from valvemodel.stages import EFFECTS
 
 LEAST_SHARE, PROMISE_AT_NOISE = 0.25, 0.005

@@ -79,7 +79,8 @@ def beside_slips(
     if not laws or any_explains(alone):
         return []
     far = min(SOME * misfit(base), FAR_OFF * min(map(misfit, alone[1:])))
-    if not stops_seen(base.fit) and misfit(laws[0]) > far:
+    has_stops = stops_seen(base.fit)
+    if not has_stops and misfit(laws[0]) > far:
         return []
     least = min(misfit(laws[0]), SOME * misfit(base))
     if any(stops_by_reading(each) and misfit(each) < least for each in alone[1:]):
@@ -102,7 +103,8 @@ def beside_slips(
     bent = bent_lines(base.fit, line, effects, pool, progress, is_thorough=gains)
     if not bent:
         # Nothing bends the line: what was left for on top of that is all there is.
-        left = [law for law in laws if effect_of_key(law.effects[0]).is_chaotic and not line.is_in_reach]
+        was_left = has_stops and not line.is_in_reach
+        left = [law for law in laws if was_left and effect_of_key(law.effects[0]).is_chaotic]
         anew = [Work(base.fit, law.effects, True, kin=laws[0].fit if law is not laws[0] else None) for law in left]
         return try_all([*on_top, *anew], holdout, pool, progress, WHAT)
     worth = [

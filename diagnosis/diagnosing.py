@@ -27,7 +27,7 @@ from diagnosis.score import Errors, closed_interval, closed_share, errors_of
 from diagnosis.searching import Search
 from diagnosis.sham import Control, control_of, shams_on
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
-from diagnosis.trying import Candidate, jumps
+from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
 from identification.cores import begun, workers
 from identification.driving.between_rows import said_of_motion
@@ -37,7 +37,7 @@ from identification.fit import Fit, fitted_to_all, simulate_model
 from identification.holdout import Holdout
 from identification.timing import experiments_of
 from identification.uncertainty import Estimate, estimates
-from valvemodel.effects import are_aliases, effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key, jumps
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.records import Record

@@ -58,8 +58,12 @@ def nearly_explains(candidate: Candidate, base: Candidate) -> bool:
 
     There it leaves some of what it was fitted to as well.
     """
-    is_fitted = candidate.fit.found.error < FITTED * candidate.fit.problem.noise_error
-    return misfit(candidate) >= AT_NOISE and not is_fitted and explains(candidate, base, generous=True)
+    return misfit(candidate) >= AT_NOISE and not is_fitted(candidate) and explains(candidate, base, generous=True)
+
+
+def is_fitted(candidate: Candidate) -> bool:
+    """Return whether a cause leaves but noise of what it was fitted to: no search from elsewhere comes nearer."""
+    return candidate.fit.found.error < FITTED * candidate.fit.problem.noise_error
 
 
 def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:

@@ -10,8 +10,8 @@ import numpy as np
 
 from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
 from diagnosis.score import Errors, Score
-from diagnosis.trying import Candidate, jumps
-from valvemodel.effects import differ_by_aliases, effect_of_key
+from diagnosis.trying import Candidate
+from valvemodel.effects import differ_by_aliases, effect_of_key, jumps
 
 SHARPNESS = 4.5
 """Power of the error by which a cause loses to one with less: models are never right to the last sample."""

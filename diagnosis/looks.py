@@ -99,20 +99,18 @@ def look_beside(
         What laws make of the slips alone, the best first.
     """
     looks = Looks(bent, pool)
-    least = min((each.error for each in alone), default=math.inf)
     straight = [each for each in alone if each.slips and each.line.is_explained]
     if straight:
         leader = leading(straight)
-        looks.follow(leader)
-        looks.loosen()
         compared, far = None, NEARER_AT_SLIPS * leader.error
     else:
         looks.compare(bent[0], laws)
-        if looks.nearest.error < least:
+        if looks.nearest.error < min((each.error for each in alone), default=math.inf):
             looks.loosen()
-        looks.follow(leading(looks.found))
-        looks.loosen()
+        leader = leading(looks.found)
         compared, far = bent[0].effect.key, math.inf
+    looks.follow(leader)
+    looks.loosen()
     nearest = looks.nearest
     if nearest.bend != compared and nearest.error < far:
         looks.compare(next(each for each in bent if each.effect.key == nearest.bend), laws)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from diagnosis.explaining import FITTED, explains, misfit
+from diagnosis.explaining import explains, is_fitted, misfit
 from diagnosis.proposals import gains_by_both
 from diagnosis.standing import alone_of, best_of, is_blunt
 from diagnosis.trying import Candidate
@@ -43,8 +43,7 @@ def short_of_noise(tried: Sequence[Candidate]) -> list[Candidate]:
     if not best_of(tried, 2):
         return []
     near = [each for each in rivals_of_best(tried) if is_blunt(each) and explains(each, tried[0])]
-    ends = [each for each in near if each.fit.found.error >= FITTED * each.fit.problem.noise_error]
-    return [each for each in ends if not each.is_sharpened][:SHORT_OF_NOISE]
+    return [each for each in near if not (is_fitted(each) or each.is_sharpened)][:SHORT_OF_NOISE]
 
 
 def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:

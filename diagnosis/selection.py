@@ -49,7 +49,6 @@ from diagnosis.trying import (
     begin_again,
     change_all,
     each_in_turn,
-    jumps,
     never,
     sharpen_all,
     take_out,
@@ -58,7 +57,7 @@ from diagnosis.trying import (
 )
 from identification.holdout import Holdout
 from identification.restart import is_far_off
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, jumps
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from diagnosis.explaining import AT_NOISE, allowed, explains, misfit
-from diagnosis.trying import Candidate, jumps, moved_in
-from valvemodel.effects import differ_by_aliases, effect_of_key
+from diagnosis.trying import Candidate, moved_in
+from valvemodel.effects import differ_by_aliases, effect_of_key, jumps_in_closed_form
 from valvemodel.model import Model
 
 SHARPENED = 2
@@ -177,6 +177,4 @@ def loses_phase(candidate: Candidate) -> bool:
 
 def is_blunt(candidate: Candidate) -> bool:
     """Return whether a cause makes the stem stop and jump, and a search about its fit ends in good time."""
-    effects = [effect_of_key(key) for key in candidate.effects]
-    ends_soon = not any(each.is_chaotic for each in effects) and not candidate.has_series
-    return jumps(candidate.effects) and ends_soon
+    return jumps_in_closed_form(candidate.effects) and not candidate.has_series

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,7 +23,7 @@ from identification.sharpening import sharpened, steadied
 from identification.stick_slip import SlipSearch
 from identification.unknowns import freed_by
 from valvemodel.declarations import Parameter
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, jumps
 from valvemodel.model import Model
 
 SERIES = 2
@@ -156,11 +156,6 @@ def scored(effects: tuple[str, ...], fit: Fit, holdout: Holdout) -> Candidate:
         score = score_fit(fit, holdout)
     trace = trace_of(fit, holdout)
     return Candidate(effects, fit, score, trace, freedom_of(fit), fit.problem.has_series)
-
-
-def jumps(effects: Iterable[str]) -> bool:
-    """Return whether one of some effects makes the stem stop and jump."""
-    return any(effect_of_key(key).breakaway for key in effects)
 
 
 def hangs_by_a_hair(fit: Fit, score: Score) -> bool:

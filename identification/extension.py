@@ -47,7 +47,6 @@ from identification.search import (
 from identification.sharpening import searched_about
 from identification.stick_slip import (
     LAWFUL,
-    REACH,
     SlipSearch,
     error_at_rests,
     form_of,
@@ -55,10 +54,10 @@ from identification.stick_slip import (
     search_beside_other,
     search_near,
     search_slips,
+    tempered,
 )
 from valvemodel.declarations import Effect, Form
-from valvemodel.effects import effect_of_key
-from valvemodel.model import Model
+from valvemodel.effects import effect_of_key, jumps_in_closed_form
 
 KEPT_STARTS = 2
 """Starts that are followed down in each group, after all were screened."""
@@ -436,7 +435,7 @@ def starts_from(fit: Fit, effect: Effect, group: list[Trial]) -> list[Start]:
     starts += [(trial.problem, as_given(fit, trial.point)) for trial in as_known]
     lagging = starts_traded(fit, effect, form_of(effect, group[0].problem))
     starts += lagging
-    if jumps_in_closed_form(fit.model):
+    if jumps_in_closed_form(fit.model.effects):
         starts += [searched_from(*each) for each in lagging]
     if makes_pressure(effect):
         for trial in kept:
@@ -450,16 +449,9 @@ def starts_traded(fit: Fit, effect: Effect, form: Form) -> list[Start]:
     return [joined(fit.problem, fit.found.point + move, effect, values) for values, move in traded(fit, effect, [form])]
 
 
-def jumps_in_closed_form(model: Model) -> bool:
-    """Return whether the stem of a model jumps, and a run of it takes no longer for that."""
-    effects = [effect_of_key(key) for key in model.effects]
-    return any(each.breakaway for each in effects) and not any(each.is_chaotic for each in effects)
-
-
 def searched_from(problem: Problem, point: np.ndarray) -> Start:
     """Return where a search about a start ends, by the re-anchored run: from afar slips fall elsewhere."""
-    reached = [replace(each, reach=REACH) for each in problem.experiments]
-    return problem, searched_about(replace(problem, experiments=reached, is_anchored=True), point, 0, ABOUT).point
+    return problem, searched_about(tempered(problem, is_anchored=True), point, 0, ABOUT).point
 
 
 def of_another_form(effect: Effect, group: list[Trial]) -> list[Trial]:

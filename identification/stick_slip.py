@@ -326,7 +326,7 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
     if not near.is_at_noise:
         near = min(near, roamed_about(descended), key=lambda each: each.error)
     problem, points = near.slip.slips.problem, [near.point]
-    anchored, free = (tempered(problem, is_anchored=is_anchored) for is_anchored in (True, False))
+    anchored, free = (tempered(of_positions(problem), is_anchored=is_anchored) for is_anchored in (True, False))
     if near.error < LAWFUL * problem.noise_error:
         found = search_beside(near.slip, near.point, free, FREE)
         points += [found.point, follow(free, found.point).point]
@@ -378,14 +378,14 @@ class Near:
 
 
 def tempered(problem: Problem, *, is_anchored: bool) -> Problem:
-    """Return the problem on positions alone whose runs count large errors by their logarithm."""
-    seen = of_positions(problem)
-    return replace(seen, experiments=[replace(each, reach=REACH) for each in seen.experiments], is_anchored=is_anchored)
+    """Return the problem whose runs count large errors by their logarithm."""
+    reached = [replace(each, reach=REACH) for each in problem.experiments]
+    return replace(problem, experiments=reached, is_anchored=is_anchored)
 
 
 def on_the_run(slip: SlipSearch, at_rests: Found, start: np.ndarray) -> Near:
     """Return what is best on the re-anchored run: a start, what is best by each slip, or what lies below the latter."""
-    anchored = tempered(slip.slips.problem, is_anchored=True)
+    anchored = tempered(of_positions(slip.slips.problem), is_anchored=True)
     points = np.array([start, at_rests.point, follow(anchored, at_rests.point).point])
     left = errors(anchored, points)
     best = int(np.argmin(left))
@@ -400,7 +400,8 @@ def roamed_about(descended: Sequence[Near]) -> Near:
         if is_at_noise(on_rests(each.slip.slips.problem), searched[-1].found):
             break
     slip = min(searched, key=lambda each: each.found.error)
-    run = search_beside(slip, slip.found.point, tempered(slip.slips.problem, is_anchored=True), ANCHORED)
+    anchored = tempered(of_positions(slip.slips.problem), is_anchored=True)
+    run = search_beside(slip, slip.found.point, anchored, ANCHORED)
     return on_the_run(slip, run, slip.found.point)
 
 

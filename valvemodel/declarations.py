@@ -35,8 +35,8 @@ class Parameter:
     neutral, and no table shows it. `is_later` marks one that came later than its effect: a file that does not name it
     means its typical value. `acts_in_time` marks one that a fit to settled loops keeps neutral, as their closed form is
     without it. `is_lag` marks a time by which what passes is delayed: a base valve without it has so much more viscous
-    friction. `is_start` marks where something stands as a
-    record begins: a number of the record, by which no effect stands in for another.
+    friction. `is_start` marks where something stands as a record begins: a number of the record, by which no effect
+    stands in for another.
     """
 
     name: str

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from valvemodel.declarations import Effect
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.stages import EFFECTS
@@ -41,6 +43,16 @@ def differ_by_aliases(effects: tuple[str, ...], others: tuple[str, ...]) -> bool
     if len(mine) != 1 or len(theirs) != 1:
         return False
     return are_aliases(mine.pop(), theirs.pop())
+
+
+def jumps(keys: Collection[str]) -> bool:
+    """Return whether one of some effects makes the stem stop and jump."""
+    return any(effect_of_key(key).breakaway for key in keys)
+
+
+def jumps_in_closed_form(keys: Collection[str]) -> bool:
+    """Return whether one of some effects makes the stem stop and jump, and a run takes no longer for any of them."""
+    return jumps(keys) and not any(effect_of_key(key).is_chaotic for key in keys)
 
 
 def parse_effect(text: str) -> tuple[str, dict[str, float]]:

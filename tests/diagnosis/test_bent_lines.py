@@ -467,10 +467,15 @@ def test_a_law_that_is_alone_is_looked_at_however_far_the_line_is():
     assert slips.to_look_at(laws[1:], SimpleNamespace(is_in_reach=False)) == {"stribeck": None}
 
 
-@pytest.mark.parametrize(("is_in_reach", "is_anew"), [(False, True), (True, False)])
-def test_the_dear_law_is_searched_for_alone_after_all_where_nothing_bends_the_line(monkeypatch, is_in_reach, is_anew):
+@pytest.mark.parametrize(
+    ("is_in_reach", "has_stops", "is_anew"), [(False, True, True), (True, True, False), (False, False, False)]
+)
+def test_the_dear_law_is_searched_for_alone_after_all_where_nothing_bends_the_line(
+    monkeypatch, is_in_reach, has_stops, is_anew
+):
+    """Where no stops are seen it was searched for before."""
     line = SimpleNamespace(is_explained=False, is_in_reach=is_in_reach, error=99.0, count=10)
-    monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
+    monkeypatch.setattr(slips, "stops_seen", lambda fit: has_stops)
     monkeypatch.setattr(slips, "straight_line", lambda fit: line)
     monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
     monkeypatch.setattr(slips, "look_alone", lambda *given: [SimpleNamespace(explains=False, error=9.0)])
