@@ -297,7 +297,7 @@ def diagnose_with(
         # What came nearest is not the cause, and a load that was found for these records is none of the next one's.
         order.sort(key=lambda number: tried[number].has_series)
     shown = tried[order[0]]
-    yardstick = yardstick_of(shown, first, floors)
+    yardstick = yardstick_of(shown)
     floor = floors[0] if yardstick == "free" else floors[1]
     causes = causes_of(tried, order, judgement, floor, yardstick)
     as_given = errors_as_given(model, holdout, yardstick)
@@ -365,13 +365,9 @@ def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float,
     return min(floor, free), min(floor, anchored)
 
 
-def yardstick_of(likely: Candidate, base: Candidate, floors: tuple[float, float]) -> str:
-    """Return how the gap is measured: re-anchored where slips that stick are likely and a free run loses them."""
-    if not any(effect_of_key(key).is_jagged for key in likely.effects):
-        return "free"
-    free = closed_share(base.score.free.rms, likely.score.free.rms, floors[0]) or 0.0
-    anchored = closed_share(base.score.anchored.rms, likely.score.anchored.rms, floors[1]) or 0.0
-    return "anchored" if anchored > free else "free"
+def yardstick_of(likely: Candidate) -> str:
+    """Return how the gap is measured: re-anchored where the stem sticks and slips, as a free run loses the phase."""
+    return "anchored" if jumps(likely.effects) else "free"
 
 
 def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:

@@ -29,6 +29,7 @@ from diagnosis.standing import (
     is_read_off,
     is_settled,
     is_worth_its_time,
+    of_many_numbers,
     orders_of,
     unlike,
     values_alone,
@@ -280,14 +281,14 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
 
 
 def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[Candidate]) -> list[Work]:
-    """Return work, of which what begins on an effect whose runs take long is called for only where it may come nearer.
+    """Return work, of which what begins on an effect that makes fits long is called for only where it may come nearer.
 
-    Where the best leaves nothing to tell it could come as near at most, and elsewhere it must promise something by
-    slopes: what hides in the base valve's numbers does not.
+    Its runs take long, or it has many numbers. Where the best leaves nothing to tell it could come as near at most, and
+    elsewhere it must promise something by slopes: what hides in the base valve's numbers does not.
     """
 
     def is_slow(each: Work) -> bool:
-        return effect_of_key(each.effects[0]).takes_long
+        return effect_of_key(each.effects[0]).takes_long or bool(of_many_numbers(each.fit.model))
 
     is_enough = leaves_nothing_to_tell(best, tried)
     wanted = [each for each in work if not (is_enough and is_slow(each))]

@@ -13,7 +13,7 @@ from diagnosis.parts import evenly_parted, parted
 from diagnosis.score import score_fit
 from diagnosis.selection import try_together
 from diagnosis.stairs import on_stairs, stairs_beside
-from diagnosis.standing import NEAR_THE_BEST, best_of
+from diagnosis.standing import NEAR_THE_BEST, best_of, with_better
 from diagnosis.trying import Candidate, Progress, scored
 from diagnosis.unrecorded import largest_error, with_unrecorded
 from identification.driving.between_rows import followed_anew, moving_between_rows
@@ -113,19 +113,24 @@ class Search:
         if seen:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
-            known = explained_again(tried, first, holdout, pool)
-            tried = try_first(first, holdout, library, pool, progress, known)
+            tried = try_first_again(tried, first, holdout, library, pool, progress)
             for further in (in_phase, try_together):
                 tried = further(tried, holdout, pool, progress)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
 
 
-def explained_again(
-    tried: Sequence[Candidate], base: Candidate, holdout: Holdout, pool: Executor | None
+def try_first_again(
+    tried: Sequence[Candidate],
+    base: Candidate,
+    holdout: Holdout,
+    library: Sequence[Effect],
+    pool: Executor | None,
+    progress: Progress,
 ) -> list[Candidate]:
-    """Return the two effects beside which stairs showed, fitted as ones with stairs count, if they explain them.
+    """Try what is tried first once more, beside the two effects beside which stairs showed, fitted as these count.
 
-    With them come the pairs that were near, and each effect alone that took a global search: none is searched again.
+    With them come the pairs that were near, and each effect alone that took a global search: none is searched again
+    where the two explain the record.
 
     Parameters
     ----------
@@ -135,16 +140,16 @@ def explained_again(
         As the record counts now.
     holdout : Holdout
         Of that.
+    library : sequence of Effect
     pool : Executor or None
+    progress : callable
     """
     pairs = best_of(tried, 2)
     near = [each for each in pairs if misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
     searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
-    shown, *others = [*near, *searched]
-    found = fitted_again(shown, holdout)
-    if not explains(found, base):
-        return []
-    return [found, *(pool.map if pool else map)(partial(fitted_again, holdout=holdout), others)]
+    again = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
+    known = again if explains(again[0], base) else []
+    return with_better(try_first(base, holdout, library, pool, progress, known), again)
 
 
 def fitted_again(cause: Candidate, holdout: Holdout) -> Candidate:

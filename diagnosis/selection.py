@@ -26,6 +26,7 @@ from diagnosis.proposals import (
     on_what_stays,
     other_laws,
     reversed_pairs,
+    unless_slow_in_vain,
     with_jumps,
 )
 from diagnosis.rivals import aliases_of_best, rivals_of_best, short_of_noise, two_that_gain
@@ -179,6 +180,8 @@ def on_top_of_the_best(
     leaders, what = leaders_of(order), f"{size} effects together"
     for number, leader in enumerate(leaders):
         work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, pool)
+        ends = [each for each in best_of(known, size)[:1] if explains(each, base)]
+        work = unless_slow_in_vain(work, ends[0], known) if ends else work
         # Readings in coarse steps tell less: what is not alike may come as near.
         until = settles if not is_read_off(leader) else never
         for part in (local(work), wide(work)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,15 +41,26 @@ def closure_on_unseen(answer: Path, plant: Plant, seed: int, *, is_anchored: boo
     Returns
     -------
     dict
-        `base`, `found`, `floor` [m], and `closed`, the share, None where the base reaches the noise.
+        `base`, `found`, `floor` [m], and `closed`, the share, None where the base reaches the noise; `closed_free`, the
+        same where both run free.
     """
     taken = measure(plant, seed)
     unseen = experiment_of(
         Record.from_arrays(name="unseen", time=taken["time"], current=taken["current"], position=taken["position"])
     )
-    base, found = (gap(read_model(answer / name), unseen, is_anchored) for name in ("base.json", "model.json"))
     quiet = measure(replace(plant, noise=0.0, resolution=0.0), seed)
     floor = float(np.sqrt(np.mean((taken["position"] - quiet["position"]) ** 2)))
+    models = [read_model(answer / name) for name in ("base.json", "model.json")]
+    free = shrinking(models, unseen, floor, is_anchored=False)
+    judged = shrinking(models, unseen, floor, is_anchored=True) if is_anchored else free
+    return {**judged, "closed_free": free["closed"]}
+
+
+def shrinking(
+    models: Sequence[Model], unseen: Experiment, floor: float, *, is_anchored: bool
+) -> dict[str, float | None]:
+    """Return what the refitted base and the found model leave, and the share of the gap that is closed."""
+    base, found = (gap(each, unseen, is_anchored) for each in models)
     closed = closed_share(base, found, floor) if base > WORTH_CLOSING * floor else None
     return {"base": base, "found": found, "floor": floor, "closed": closed}
 

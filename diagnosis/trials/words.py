@@ -54,9 +54,11 @@ def figure_rows(content: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     if calibration is not None:
         yield "probability said against frequency found", f"off by {100 * calibration:.1f} points (expected error)"
     if closure["median"] is not None:
+        free = closure["lowest_decile_free"]
+        beside = f", {percent(free)} if all models run free" if free is not None else ""
         yield (
             "gap closed on an unseen record of the same valve",
-            f"median {percent(closure['median'])}, lowest decile {percent(closure['lowest_decile'])} "
+            f"median {percent(closure['median'])}, lowest decile {percent(closure['lowest_decile'])}{beside} "
             f"({closure['plants']} plants)",
         )
     black_box = content["black_box"]

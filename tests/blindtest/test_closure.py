@@ -34,3 +34,10 @@ def test_noise_before_a_coarse_converter_shows_as_whole_steps(answer):
     floor = closure_on_unseen(answer, plant, 3, is_anchored=False)["floor"]
     assert floor == pytest.approx(expected, rel=0.1)
     assert floor > 2.0 * plant.noise
+
+
+def test_the_share_of_a_free_run_stands_beside_that_of_the_re_anchored_one(answer):
+    plant = draw_plant(5, ("static_friction",))
+    free, anchored = (closure_on_unseen(answer, plant, 3, is_anchored=each) for each in (False, True))
+    assert anchored["base"] < free["base"]
+    assert anchored["closed_free"] == free["closed_free"] == free["closed"]

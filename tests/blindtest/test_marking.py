@@ -103,7 +103,8 @@ def test_wilson_interval_is_the_published_one():
 def result_of(outcome_said: float, is_true: bool, closed: float | None = None) -> Result:
     diagnosis = said("effect", {"coil_lag" if is_true else "end_stop": outcome_said})
     found = mark("single", ("coil_lag",), diagnosis)
-    return Result("p", "single", ("coil_lag",), (), 5.0, found, "effect", None, {"closed": closed})
+    closure = {"closed": closed, "closed_free": None if closed is None else closed - 0.5}
+    return Result("p", "single", ("coil_lag",), (), 5.0, found, "effect", None, closure)
 
 
 def test_calibration_error_is_zero_where_frequency_is_what_was_said():
@@ -119,6 +120,7 @@ def test_closure_leaves_out_what_has_no_gap_to_close():
     assert closure["plants"] == 3
     assert closure["median"] == pytest.approx(0.9)
     assert closure["lowest_decile"] == pytest.approx(0.82)
+    assert closure["lowest_decile_free"] == pytest.approx(0.32)
 
 
 def test_plants_that_a_refitted_base_imitates_are_told_apart():

@@ -409,6 +409,19 @@ def test_on_what_takes_long_to_run_another_is_tried_only_where_it_may_come_neare
     assert (("presliding", "sensor_drift") in {each.effects for each in work}) == (len(promises) > 1)
 
 
+@pytest.mark.parametrize(("left", "promise"), [(1.2, proposals.PROMISE_IF_SLOW), (9.0, 0.0)])
+def test_on_what_has_many_numbers_another_must_promise_something_where_two_explain(monkeypatch, left, promise):
+    """Eight more on a tight spot that left a hundred took 12 s, though play beside it left little more than noise."""
+    asked: list[Work] = []
+    alone = [candidate(60.0, "position_dependent_friction"), candidate(80.0, "linkage_backlash")]
+    tried = [candidate(90.0), *alone, candidate(left, "position_dependent_friction", "linkage_backlash")]
+    work = [Work(each.fit, (*each.effects, "air_leak"), is_global=False) for each in alone]
+    monkeypatch.setattr(selection, "extensions", lambda *_: work)
+    monkeypatch.setattr(selection, "try_all", lambda work, *_: asked.extend(work) or [])
+    selection.on_top_of_the_best(tried, tried[1:2], None, None, lambda what, share: None)
+    assert [each.promise for each in asked[:2]] == [promise, 0.0]
+
+
 def test_what_is_dear_to_run_is_not_searched_for_from_every_start_beside_another():
     alone = [candidate(60.0, "sensor_lag"), candidate(1.7, "asymmetric_filling")]
     work = proposals.nearly_together([candidate(90.0), *alone, candidate(1.4, "asymmetric_filling", "sensor_lag")])

@@ -271,10 +271,13 @@ def test_stairs_that_another_effect_hides_are_seen_beside_it(given, sticking, al
 
 
 @pytest.mark.parametrize(("left", "is_known"), [(1.2, True), (9.0, False)])
-def test_two_effects_beside_which_stairs_showed_are_not_searched_for_again_where_they_explain(
+def test_two_effects_beside_which_stairs_showed_are_kept_and_spare_a_search_where_they_explain(
     given, sticking, monkeypatch, left, is_known
 ):
-    """All that went before had been done once more, for three times as long: their fit led there at once."""
+    """All that went before had been done once more, for three times as long: their fit led there at once.
+
+    A right pair that had not come to the noise yet was lost, and not found again.
+    """
     base = base_of(given, sticking)
     tried = [
         Candidate(effects, base, score_of(*[misfit] * 6))
@@ -290,10 +293,18 @@ def test_two_effects_beside_which_stairs_showed_are_not_searched_for_again_where
     fitted = []
     monkeypatch.setattr(searching, "fitted_to_all", lambda fit, *parts: fitted.append(parts) or fit)
     monkeypatch.setattr(searching, "scored", lambda effects, fit, _: Candidate(effects, fit, score_of(*[left] * 6)))
-    holdout = hold_out([sticking], kept=0)
-    known = searching.explained_again(tried, tried[0], holdout, None)
-    pairs = [("load_force", "static_friction"), ("load_force", "stribeck")]
-    assert [each.effects for each in known] == [*pairs, ("static_friction",)] * is_known
+    holdout, first = hold_out([sticking], kept=0), Candidate(("coil_lag",), base, score_of(*[90.0] * 6))
+    known = []
+
+    def first_again(base, *rest):
+        known.extend(rest[-1])
+        return [base, first]
+
+    monkeypatch.setattr(searching, "try_first", first_again)
+    found = searching.try_first_again(tried, tried[0], holdout, [], None, lambda *_: None)
+    again = [("load_force", "static_friction"), ("load_force", "stribeck"), ("static_friction",)]
+    assert [each.effects for each in known] == again * is_known
+    assert [each.effects for each in found] == [(), ("coil_lag",), *again]
     assert all(parts == (holdout.experiments, holdout.fitted) for parts in fitted)
 
 
