@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import beside_slips
+from diagnosis.beside_slips import WHAT, beside_slips
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
@@ -20,7 +20,7 @@ from diagnosis.explaining import (
     stops_seen,
 )
 from diagnosis.lags_beside_jumps import lags_beside_jumps
-from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, left_alone
+from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, law_in_closed_form, left_alone
 from diagnosis.rivals import short_of_noise
 from diagnosis.standing import (
     best_of,
@@ -81,7 +81,8 @@ def try_first(
 ) -> list[Candidate]:
     """Try every effect alone, and what makes the stem jump beside what lags or bends the line through its breakaways.
 
-    Rivals of those two that end short of the noise are searched about. Where one of them leaves no trace beside
+    What a law of many numbers explains is tried with the one in closed form, and rivals that end short of the noise are
+    searched about. Where one of them leaves no trace beside
     another, the other alone had ended beside the least error. Where the stops are of a coarse reading nothing speaks
     for jumps. Beside causes that are known to explain the record only what a local search finds is tried.
     """
@@ -98,6 +99,7 @@ def try_first(
         tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
         if not any_explains(tried):
             tried += beside_slips(alone, holdout, pool, progress)
+    tried = with_better(tried, try_all(law_in_closed_form(tried), holdout, pool, progress, WHAT))
     tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from diagnosis.beside_slips import SOME, WHAT
+from diagnosis.beside_slips import SOME, WHAT, is_best_alone
 from diagnosis.explaining import any_explains, misfit
 from diagnosis.rivals import short_of_noise
 from diagnosis.standing import best_of, is_blunt, is_near_noise, values_alone, with_better
@@ -22,7 +22,7 @@ either. In 21 blind plants of our own without a lag it was 0.6 to 1.4 times, in 
 def lags_beside_jumps(
     alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try what lags on top of a law in closed form that gains alone, and has far too much viscous friction for that.
+    """Try what lags on top of a law in closed form that is the best alone, with far too much viscous friction for that.
 
     It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
     laws takes long, and comes last, unless another comes to the noise.
@@ -31,7 +31,7 @@ def lags_beside_jumps(
         return []
     base, values, tried = alone[0], values_alone(alone), list(alone)
     laws = [law for law in best_of(alone, 1) if is_blunt(law) and misfit(law) < SOME * misfit(base)]
-    laws = [law for law in laws if is_sluggish(law.fit, FAR_TOO_MUCH)]
+    laws = [law for law in laws if is_best_alone(law, alone) and is_sluggish(law.fit, FAR_TOO_MUCH)]
     if not laws:
         return []
     lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]

@@ -38,6 +38,7 @@ from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
 from identification.hints import begins_at_periods, other_forms
 from valvemodel.effects import are_aliases, effect_of_key
+from valvemodel.stages import EFFECTS
 
 LEADERS = 2
 """Best causes that are tried with one more effect."""
@@ -257,6 +258,47 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
     return worthwhile(unless_slow_in_vain(work, best, tried), tried)
 
 
+def from_the_best(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best two effects, where they explain the record, with each exchanged for an alias, from there.
+
+    The alias as fitted alone may have been bent to what the other effect does, and beside what stays as fitted alone
+    lead nowhere. The valve that was fitted with the best two is right but for the alias.
+    """
+    best = best_of(tried, 2)[0]
+    if not explains(best, tried[0]) or best.has_series or is_read_off(best):
+        return []
+    alone, values = alone_of(tried), values_alone(tried)
+    known = {frozenset(each.effects): misfit(each) for each in tried}
+    work: list[Work] = []
+    for kept, left, other in exchanges(best, alone.values()):
+        (key,) = other.effects
+        is_behind = known.get(frozenset((kept, key)), math.inf) > SLIGHTLY * misfit(best)
+        if are_aliases(left, key) and is_behind and not effect_of_key(kept).is_chaotic:
+            work.append(Work(alone[kept].fit, (kept, key), False, values[key], kin=best.fit))
+    return work
+
+
+def law_in_closed_form(tried: Sequence[Candidate]) -> list[Work]:
+    """Return the best two effects, if they explain the record by a law whose runs take long, with its kindred for that.
+
+    A law of more numbers comes nearer from afar. The one in closed form may be right, and is tried from there.
+    """
+    pairs = best_of(tried, 2)[:1]
+    if not pairs or not explains(pairs[0], tried[0]):
+        return []
+    best, alone = pairs[0], alone_of(tried)
+    known = {frozenset(each.effects): misfit(each) for each in tried}
+    return [
+        Work(alone[other].fit, (other, law), True, kin=best.fit)
+        for other, chaotic in jumps_that_gained(best, alone)
+        if effect_of_key(chaotic).is_chaotic and alone[other].has_series == best.has_series
+        for law in alone
+        if are_aliases(chaotic, law)
+        and not effect_of_key(law).is_chaotic
+        and known.get(frozenset((other, law)), math.inf) > SLIGHTLY * misfit(best)
+    ]
+
+
 def near_misses(tried: Sequence[Candidate]) -> list[Work]:
     """Return what lies not far behind the best two effects, where they explain the record, as work in another order.
 
@@ -394,7 +436,8 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
 
     One that promises most on the leader's residual may only stand in for another that needs the leader's values moved:
     the alias is taken as fitted alone, and what stays with its numbers in the pair comes on top. A cause that was tried
-    and lies far behind is tried once more in that way.
+    and lies far behind is tried once more in that way. A whole series of waves takes in whatever goes with time: it
+    makes room for the aliases of its aliases as well.
     """
     known = {frozenset(each.effects): misfit(each) for each in tried}
     work: dict[frozenset[str], Work] = {}
@@ -403,9 +446,15 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
         for kept, left, other in exchanges(best, best_of(tried, 1)):
             (key,) = other.effects
             cause, values = frozenset((key, kept)), dict(best.fit.model.effects[kept])
-            if are_aliases(left, key) and lies_behind(known.get(cause, math.inf), misfit(best)):
+            is_alike = are_aliases(left, key) or (best.has_series and goes_with_waves(left, key))
+            if is_alike and lies_behind(known.get(cause, math.inf), misfit(best)):
                 work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return worthwhile(list(work.values()), tried)
+
+
+def goes_with_waves(series: str, key: str) -> bool:
+    """Return whether a series of waves may stand in for an effect: both are aliases of one that goes with time."""
+    return any(are_aliases(series, each.key) and are_aliases(each.key, key) for each in EFFECTS)
 
 
 def lies_behind(left: float, least: float) -> bool:

@@ -16,6 +16,8 @@ from diagnosis.proposals import (
     SHORTLIST_FURTHER,
     exchanged,
     extensions,
+    from_the_best,
+    gains_by_both,
     in_other_forms,
     jumps_anew,
     leaders_of,
@@ -31,6 +33,7 @@ from diagnosis.proposals import (
 )
 from diagnosis.rivals import aliases_of_best, rivals_of_best, short_of_noise, two_that_gain
 from diagnosis.standing import (
+    alone_of,
     best_of,
     blunt,
     breaks_away,
@@ -124,14 +127,17 @@ def try_together(
 def is_explained(tried: Sequence[Candidate], size: int) -> bool:
     """Return whether what was tried leaves nothing for causes of so many effects to be looked for.
 
-    One effect must come near the noise, where two of the right kind do, and be none that may stand in for anything; a
-    third is looked for where two leave much.
+    One effect must come near the noise, where two of the right kind do by both, and be none that may stand in for
+    anything; a third is looked for where two leave much.
     """
     if size > 2:
         return any_explains(tried, generous=True)
     base, *others = tried
     ends = [each for each in others if explains(each, base) and not stands_in(each)]
-    return explains(base, base) or any(len(each.effects) > 1 or leaves_nothing_to_tell(each, tried) for each in ends)
+    alone = alone_of(tried)
+    return explains(base, base) or any(
+        gains_by_both(each, alone) if len(each.effects) > 1 else leaves_nothing_to_tell(each, tried) for each in ends
+    )
 
 
 def is_enough(candidate: Candidate, base: Candidate) -> bool:
@@ -231,7 +237,7 @@ def with_kindred(
     if is_out_of_reach(known):
         return known
     led = leading_pair(known)
-    for proposed in (on_what_stays, near_misses):
+    for proposed in (on_what_stays, near_misses, from_the_best):
         known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))
     again = worth_beginning_again(known)
     known = with_better(known, change_all(begin_again, again, holdout, pool, progress, "beginning again with"))

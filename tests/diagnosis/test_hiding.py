@@ -67,6 +67,13 @@ def test_nothing_is_said_to_hide_where_nothing_explains_the_record(monkeypatch):
     assert beside(tried, {"air_leak": 30.0}, monkeypatch) == (tried, [])
 
 
+@pytest.mark.parametrize(("left", "hidden"), [(1.1, ["linkage_backlash"]), (1.6, [])])
+def test_what_a_load_at_will_leaves_may_be_what_hides_beside_it(monkeypatch, left, hidden):
+    load = replace(candidate(left, "load_force"), has_series=True)
+    tried = [candidate(17.0), load, candidate(16.0, "linkage_backlash")]
+    assert beside(tried, {"linkage_backlash": 1.05}, monkeypatch) == (tried, hidden)
+
+
 def test_an_unknown_cause_is_credited_with_no_more_than_a_known_one_that_leaves_nothing(monkeypatch):
     """What is gained in a single block counts for no cause, so that it counts for none that is unknown either."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
@@ -82,6 +89,16 @@ def test_what_leaves_nothing_of_a_small_gap_is_believed_before_an_unknown_cause(
     known, near = (replace(candidate(left, *effects), freedom=5) for left in (1.0, 1.1))
     assert judge([candidate(2.5), known]).unknown < 0.25
     assert judge([candidate(2.5), near]).unknown > 0.5
+
+
+@pytest.mark.parametrize(("left", "is_unknown"), [(1.05, False), (1.8, True)])
+def test_a_load_at_will_that_leaves_some_is_rather_an_unknown_cause_that_it_stands_in_for(
+    monkeypatch, left, is_unknown
+):
+    """Growing friction, left out of the candidates, was taken for a load: waves take in most of what goes with time."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    load = replace(candidate(left, "load_force"), has_series=True, freedom=2)
+    assert (judge([candidate(68.0), load]).unknown > 0.5) == is_unknown
 
 
 def test_what_explains_the_gap_needs_no_stops(monkeypatch):

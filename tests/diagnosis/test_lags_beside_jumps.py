@@ -33,6 +33,7 @@ def sluggish(cause: Candidate, times: float) -> Candidate:
         ("static_friction", 38.0, 4.0, False),
         ("static_friction", 1.1, 4.0, False),
         ("stribeck", 20.0, 4.0, False),
+        ("static_friction", 34.0, 4.0, False),
     ],
 )
 def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(monkeypatch, law, left, times, is_tried):
@@ -40,7 +41,9 @@ def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(mon
     monkeypatch.setattr(lags, "try_all", lambda work, *_: asked.append([each.effects for each in work]) or [])
     monkeypatch.setattr(lags, "sharpen_all", lambda *_: [])
     alone = [sluggish(named(each.score.misfit, *each.effects), times) for each in (named(40.0), named(left, law))]
-    alone += [named(39.0, key) for key in ("air_leak", "chamber_filling", "sensor_lag", "transport_delay")]
+    alone += [named(39.0, key) for key in ("chamber_filling", "sensor_lag", "transport_delay")]
+    # What comes nearer alone needs no jumps.
+    alone += [named(30.0, "air_leak")]
     alone[2:] = [sluggish(each, 1.0) for each in alone[2:]]
     found = lags.lags_beside_jumps(alone, None, None, lambda *what: None)
     quick, slow = [(law, "sensor_lag"), (law, "transport_delay")], [(law, "chamber_filling")]

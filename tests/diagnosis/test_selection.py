@@ -142,6 +142,14 @@ def test_beside_a_single_effect_near_the_noise_no_second_one_is_looked_for(left,
     assert selection.is_explained(tried, 2) != is_looked_for
 
 
+@pytest.mark.parametrize(("alone", "is_looked_for"), [(1.33, True), (2.0, False)])
+def test_two_effects_of_which_one_adds_nothing_end_no_search(alone, is_looked_for):
+    """Saturation beside a slow transmitter was never tried: static friction beside it left as little as the lag did."""
+    tried = [candidate(9.0), candidate(alone, "sensor_lag"), candidate(7.0, "static_friction")]
+    tried.append(candidate(1.31, "static_friction", "sensor_lag"))
+    assert selection.is_explained(tried, 2) != is_looked_for
+
+
 def test_single_effects_that_nearly_explain_are_searched_for_from_every_start():
     base, best = candidate(40.0), candidate(1.5, "spring_hardening")
     others = [candidate(3.0, "magnetic_saturation"), waves(2.0, "load_force"), candidate(9.0, "coil_lag")]
@@ -422,6 +430,30 @@ def test_on_what_has_many_numbers_another_must_promise_something_where_two_expla
     assert [each.promise for each in asked[:2]] == [promise, 0.0]
 
 
+@pytest.mark.parametrize(("left", "behind", "is_tried"), [(1.1, 4.1, True), (1.1, 1.11, False), (3.0, 9.0, False)])
+def test_an_alias_is_tried_from_where_the_best_two_came(left, behind, is_tried):
+    """A hardening spring alone had been bent to an end stop: beside that it led nowhere, and a bowed linkage won."""
+    alone = [candidate(50.0, "end_stop"), candidate(47.0, "spring_hardening"), candidate(60.0, "linkage_nonlinearity")]
+    best, other = candidate(left, "end_stop", "linkage_nonlinearity"), candidate(behind, "end_stop", "spring_hardening")
+    work = proposals.from_the_best([candidate(90.0), *alone, best, other])
+    assert [(each.effects, each.fit, each.kin) for each in work] == [
+        (("end_stop", "spring_hardening"), alone[0].fit, best.fit)
+    ] * is_tried
+
+
+@pytest.mark.parametrize(("law", "behind", "is_tried"), [("stribeck", 12.0, True), ("stribeck", 1.05, False)])
+def test_what_a_law_of_many_numbers_explains_is_tried_with_the_one_in_closed_form(law, behind, is_tried):
+    """A dead time beside static friction had been left at twelve times the noise, and Stribeck's law was named."""
+    alone = [candidate(200.0, "static_friction"), candidate(300.0, "stribeck"), candidate(150.0, "transport_delay")]
+    best, other = candidate(1.04, "transport_delay", law), candidate(behind, "static_friction", "transport_delay")
+    (*work,) = proposals.law_in_closed_form([candidate(440.0), *alone, best, other])
+    assert [(each.effects, each.is_global, each.kin) for each in work] == [
+        (("transport_delay", "static_friction"), True, best.fit)
+    ] * is_tried
+    assert proposals.law_in_closed_form([candidate(440.0), *alone, candidate(90.0, "transport_delay", law)]) == []
+    assert proposals.law_in_closed_form([candidate(440.0), *alone]) == []
+
+
 def test_what_is_dear_to_run_is_not_searched_for_from_every_start_beside_another():
     alone = [candidate(60.0, "sensor_lag"), candidate(1.7, "asymmetric_filling")]
     work = proposals.nearly_together([candidate(90.0), *alone, candidate(1.4, "asymmetric_filling", "sensor_lag")])
@@ -650,6 +682,15 @@ def test_a_coarse_reading_takes_no_global_search(monkeypatch):
     single = {key: {} for key in ("supply_droop", "quantisation", "static_friction")}
     work = extensions(tried[1:], tried, single, 0, None)
     assert [(each.effects[1], each.is_global) for each in work] == [("quantisation", False), ("static_friction", True)]
+
+
+def test_a_series_makes_room_for_what_goes_with_time():
+    """Growing friction beside choked flow was never tried: a load at will came nearest, which takes in all of that."""
+    alone = [candidate(19.0, "friction_drift"), candidate(40.0, "choked_flow"), waves(15.0, "load_force")]
+    tried = [candidate(68.0), *alone, waves(1.5, "choked_flow", "load_force")]
+    assert ("friction_drift", "choked_flow") in {each.effects for each in exchanged(tried)}
+    tried[-1] = replace(tried[-1], has_series=False)
+    assert ("friction_drift", "choked_flow") not in {each.effects for each in exchanged(tried)}
 
 
 def test_a_series_is_not_exchanged_for():
