@@ -18,6 +18,9 @@ FAR_TOO_MUCH = 3.0
 """Viscous friction of a law alone, over that which was given, from which it stands in for a lag: slips last as long by
 either. In 21 blind plants of our own without a lag it was 0.6 to 1.4 times, in two with one 9 and 17."""
 
+MOST_TAKEN_IN = 0.2
+"""Share of what the law leaves below which a lag has taken in most of it."""
+
 
 def lags_beside_jumps(
     alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
@@ -25,7 +28,7 @@ def lags_beside_jumps(
     """Try what lags on top of a law in closed form that is the best alone, with far too much viscous friction for that.
 
     It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
-    laws takes long, and comes last, unless another comes to the noise.
+    laws takes long, and comes last, unless another comes to the noise or takes in most.
     """
     if any_explains(alone):
         return []
@@ -40,6 +43,7 @@ def lags_beside_jumps(
         work = [Work(law.fit, (*law.effects, key), False, values[key]) for law in laws for key in keys]
         tried += try_all(work, holdout, pool, progress, WHAT)
         tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
-        if any(is_near_noise(each, base) for each in best_of(tried, 2)):
+        taken_in = MOST_TAKEN_IN * min(map(misfit, laws))
+        if any(is_near_noise(each, base) or misfit(each) < taken_in for each in best_of(tried, 2)):
             break
     return best_of(tried, 2)

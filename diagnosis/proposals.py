@@ -304,7 +304,7 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
 
     A right pair with one of the two in common may have been followed from amiss, with its numbers from another pair or
     together with the other effect, or lack but another form: it may come nearer than what is at the noise already, as
-    that is estimated.
+    that is estimated. What is dear to run takes longest on top of what makes fits long: it leads there.
     """
     best, *others = best_of(tried, 2)
     if not explains(best, tried[0]):
@@ -319,22 +319,28 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
         for first, second in orders
         if is_quick(second) and not effect_of_key(first).breakaway and not is_laid_on_top(alone[first])
     ]
+    work = [each for each in work if not (is_slow(each) and is_dear(each.effects[1]))]
     return worthwhile(unless_slow_in_vain(work, best, tried)[:NEAR_MISSES], tried)
 
 
 def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[Candidate]) -> list[Work]:
     """Return work, of which what begins on an effect that makes fits long is called for only where it may come nearer.
 
-    Its runs take long, or it has many numbers. Where the best leaves nothing to tell it could come as near at most, and
-    elsewhere it must promise something by slopes: what hides in the base valve's numbers does not.
+    Where the best leaves nothing to tell it could come as near at most, and elsewhere it must promise something: what
+    hides in the base valve's numbers does not.
     """
-
-    def is_slow(each: Work) -> bool:
-        return effect_of_key(each.effects[0]).takes_long or bool(of_many_numbers(each.fit.model))
-
     is_enough = leaves_nothing_to_tell(best, tried)
-    wanted = [each for each in work if not (is_enough and is_slow(each))]
-    return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in wanted]
+    return promising_if_slow([each for each in work if not (is_enough and is_slow(each))])
+
+
+def promising_if_slow(work: Sequence[Work]) -> list[Work]:
+    """Return work, of which what begins on an effect that makes fits long must promise something by slopes."""
+    return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in work]
+
+
+def is_slow(work: Work) -> bool:
+    """Return whether fits with the first effect of a cause are long: its runs are, or it has many numbers."""
+    return effect_of_key(work.effects[0]).takes_long or bool(of_many_numbers(work.fit.model))
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:

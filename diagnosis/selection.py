@@ -27,6 +27,7 @@ from diagnosis.proposals import (
     on_what_explains,
     on_what_stays,
     other_laws,
+    promising_if_slow,
     reversed_pairs,
     unless_slow_in_vain,
     with_jumps,
@@ -187,7 +188,10 @@ def on_top_of_the_best(
     for number, leader in enumerate(leaders):
         work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, pool)
         ends = [each for each in best_of(known, size)[:1] if explains(each, base)]
-        work = unless_slow_in_vain(work, ends[0], known) if ends else work
+        if ends:
+            work = unless_slow_in_vain(work, ends[0], known)
+        elif size > 2:
+            work = promising_if_slow(work)
         # Readings in coarse steps tell less: what is not alike may come as near.
         until = settles if not is_read_off(leader) else never
         for part in (local(work), wide(work)):

@@ -51,14 +51,17 @@ def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(mon
     assert [each for each in asked if each] == [quick, slow] * is_tried
 
 
-def test_what_lags_by_several_laws_is_not_tried_beside_jumps_where_another_lag_comes_to_the_noise(monkeypatch):
+@pytest.mark.parametrize(("left", "is_enough"), [(1.0, True), (3.0, True), (9.0, False)])
+def test_what_lags_by_several_laws_is_not_tried_beside_jumps_where_another_lag_takes_in_most(
+    monkeypatch, left, is_enough
+):
     asked = []
-    lagging = named(1.0, "static_friction", "sensor_lag")
+    lagging = named(left, "static_friction", "sensor_lag")
     monkeypatch.setattr(lags, "try_all", lambda work, *_: asked.append([each.effects for each in work]) or [lagging])
     monkeypatch.setattr(lags, "sharpen_all", lambda *_: [])
     monkeypatch.setattr(lags, "short_of_noise", lambda tried: [])
     monkeypatch.setattr(lags, "is_near_noise", lambda each, base: each.score.misfit < 1.1)
     alone = [named(40.0), named(20.0, "static_friction"), named(39.0, "chamber_filling"), named(39.0, "sensor_lag")]
     found = lags.lags_beside_jumps([sluggish(each, 4.0) for each in alone], None, None, lambda *what: None)
-    assert [each.effects for each in found] == [lagging.effects]
-    assert asked == [[("static_friction", "sensor_lag")]]
+    assert {each.effects for each in found} == {lagging.effects}
+    assert asked == [[("static_friction", "sensor_lag")], [("static_friction", "chamber_filling")]][: 2 - is_enough]

@@ -417,6 +417,19 @@ def test_on_what_takes_long_to_run_another_is_tried_only_where_it_may_come_neare
     assert (("presliding", "sensor_drift") in {each.effects for each in work}) == (len(promises) > 1)
 
 
+def test_what_is_dear_to_run_is_not_tried_on_top_of_what_makes_fits_long():
+    """Unequal filling on top of a tight spot took 21 s, beside two that were at the noise."""
+    alone = [candidate(60.0, "position_dependent_friction"), candidate(50.0, "asymmetric_filling")]
+    alone += [candidate(70.0, "area_variation")]
+    best = candidate(1.2, "area_variation", "asymmetric_filling")
+    behind = candidate(2.0, "asymmetric_filling", "position_dependent_friction")
+    other = candidate(2.1, "area_variation", "position_dependent_friction")
+    known = [replace(each, orders=frozenset({each.effects})) for each in (best, behind, other)]
+    work = {each.effects for each in proposals.near_misses([candidate(90.0), *alone, *known])}
+    assert ("position_dependent_friction", "area_variation") in work
+    assert ("position_dependent_friction", "asymmetric_filling") not in work
+
+
 @pytest.mark.parametrize(("left", "promise"), [(1.2, proposals.PROMISE_IF_SLOW), (9.0, 0.0)])
 def test_on_what_has_many_numbers_another_must_promise_something_where_two_explain(monkeypatch, left, promise):
     """Eight more on a tight spot that left a hundred took 12 s, though play beside it left little more than noise."""
@@ -428,6 +441,11 @@ def test_on_what_has_many_numbers_another_must_promise_something_where_two_expla
     monkeypatch.setattr(selection, "try_all", lambda work, *_: asked.extend(work) or [])
     selection.on_top_of_the_best(tried, tried[1:2], None, None, lambda what, share: None)
     assert [each.promise for each in asked[:2]] == [promise, 0.0]
+    # A third one takes longest of all.
+    work = [replace(each, effects=(*each.effects, "coil_lag")) for each in work]
+    asked.clear()
+    selection.on_top_of_the_best(tried, tried[3:4], None, None, lambda what, share: None)
+    assert [each.promise for each in asked[:2]] == [proposals.PROMISE_IF_SLOW, 0.0]
 
 
 @pytest.mark.parametrize(("left", "behind", "is_tried"), [(1.1, 4.1, True), (1.1, 1.11, False), (3.0, 9.0, False)])
