@@ -262,7 +262,8 @@ def from_the_best(tried: Sequence[Candidate]) -> list[Work]:
     """Return the best two effects, where they explain the record, with each exchanged for an alias, from there.
 
     The alias as fitted alone may have been bent to what the other effect does, and beside what stays as fitted alone
-    lead nowhere. The valve that was fitted with the best two is right but for the alias.
+    lead nowhere. The valve that was fitted with the best two is right but for the alias. On what makes fits long all
+    that promises something was tried.
     """
     best = best_of(tried, 2)[0]
     if not explains(best, tried[0]) or best.has_series or is_read_off(best):
@@ -275,7 +276,7 @@ def from_the_best(tried: Sequence[Candidate]) -> list[Work]:
         is_behind = known.get(frozenset((kept, key)), math.inf) > SLIGHTLY * misfit(best)
         if are_aliases(left, key) and is_behind and not effect_of_key(kept).is_chaotic:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key], kin=best.fit))
-    return work
+    return [each for each in work if not is_slow(each)]
 
 
 def law_in_closed_form(tried: Sequence[Candidate]) -> list[Work]:
