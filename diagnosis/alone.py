@@ -81,10 +81,10 @@ def try_first(
 ) -> list[Candidate]:
     """Try every effect alone, and what makes the stem jump beside what lags or bends the line through its breakaways.
 
-    What a law of many numbers explains is tried with the one in closed form, and rivals that end short of the noise are
-    searched about. Where one of them leaves no trace beside
-    another, the other alone had ended beside the least error. Where the stops are of a coarse reading nothing speaks
-    for jumps. Beside causes that are known to explain the record only what a local search finds is tried.
+    What a law of more numbers explains is tried with the one in closed form, and rivals that end short of the noise are
+    searched about. Where one of two effects leaves no trace beside the other, that alone had ended beside the least
+    error. Where the stops are of a coarse reading nothing speaks for jumps. Beside causes that are known to explain the
+    record, besides the law in closed form, only what a local search finds is tried.
     """
     local, *searched = rounds(library)
     alone = [*try_by_promise(base, holdout, local, pool, progress), *known]

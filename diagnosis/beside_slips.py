@@ -9,7 +9,7 @@ from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
-from diagnosis.standing import alone_of
+from diagnosis.standing import alone_of, best_of
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
@@ -214,4 +214,4 @@ def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:
 
 def is_best_alone(maker: Candidate, alone: Sequence[Candidate]) -> bool:
     """Return whether no effect alone comes nearer than a law."""
-    return maker is min(alone[1:], key=misfit)
+    return maker is best_of(alone, 1)[0]

@@ -45,6 +45,11 @@ def explains(candidate: Candidate, base: Candidate, *, generous: bool = False) -
     """
     if candidate.has_series:
         return misfit(candidate) < AT_NOISE
+    return leaves_little(candidate, base, generous=generous)
+
+
+def leaves_little(candidate: Candidate, base: Candidate, *, generous: bool = False) -> bool:
+    """Return whether a cause leaves as little as the right one in another form, whatever it is."""
     return misfit(candidate) < allowed(base, GENEROUS if generous else 1.0)
 
 

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 
 import numpy as np
 
-from diagnosis.explaining import allowed, misfit
+from diagnosis.explaining import leaves_little, misfit
 from diagnosis.judgement import WITHIN_ERROR, Judgement, judge
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.holdout import Holdout
@@ -60,7 +60,7 @@ def with_hidden(
         return list(tried), []
     beside = alike_beside(chosen, tried, judgement) if best.effects else []
     # What a whole series of waves leaves may be what hides beside it.
-    if misfit(best) >= allowed(tried[0]):
+    if not leaves_little(best, tried[0]):
         return list(tried), said(beside, best)
     unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
     keys = [key for key in unfelt if effect_of_key(key).hides_in_base and key not in best.effects]

@@ -53,13 +53,13 @@ FORM_STAIRS, UNKNOWN_FORM_STAIRS = 0.05, 0.45
 """The same as FORM and UNKNOWN_FORM in a record with stairs: there the phase of slips is lost soon though the cause is
 right, and large errors count by their logarithm. Set on some fifty blind plants of our own."""
 
+FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
+"""The same for a cause that makes the stem stop and jump, in a record without stairs."""
+
 UNKNOWN_FORM_SERIES = 0.02
 """The same as UNKNOWN_FORM where a whole series of waves comes nearest: it takes in most of whatever goes with time. Of
 blind valves of our own eight with such a load left 0.98 to 1.34 in square, three whose friction grew, with that left
 out, 1.6 to 14."""
-
-FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
-"""The same for a cause that makes the stem stop and jump, in a record without stairs."""
 
 BEHIND, BEHIND_A_LAW, MOST_BEHIND = 0.01, 0.1, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from diagnosis.beside_slips import SOME, WHAT, is_best_alone
+from diagnosis.beside_slips import SOME, WHAT
 from diagnosis.explaining import any_explains, misfit
 from diagnosis.rivals import short_of_noise
 from diagnosis.standing import best_of, is_blunt, is_near_noise, values_alone, with_better
@@ -33,17 +33,15 @@ def lags_beside_jumps(
     if any_explains(alone):
         return []
     base, values, tried = alone[0], values_alone(alone), list(alone)
-    laws = [law for law in best_of(alone, 1) if is_blunt(law) and misfit(law) < SOME * misfit(base)]
-    laws = [law for law in laws if is_best_alone(law, alone) and is_sluggish(law.fit, FAR_TOO_MUCH)]
-    if not laws:
+    law = best_of(alone, 1)[0]
+    if not is_blunt(law) or misfit(law) >= SOME * misfit(base) or not is_sluggish(law.fit, FAR_TOO_MUCH):
         return []
     lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]
     for has_laws in (False, True):
         keys = [key for key in lags if bool(effect_of_key(key).laws) == has_laws]
-        work = [Work(law.fit, (*law.effects, key), False, values[key]) for law in laws for key in keys]
+        work = [Work(law.fit, (*law.effects, key), False, values[key]) for key in keys]
         tried += try_all(work, holdout, pool, progress, WHAT)
         tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
-        taken_in = MOST_TAKEN_IN * min(map(misfit, laws))
-        if any(is_near_noise(each, base) or misfit(each) < taken_in for each in best_of(tried, 2)):
+        if any(is_near_noise(each, base) or misfit(each) < MOST_TAKEN_IN * misfit(law) for each in best_of(tried, 2)):
             break
     return best_of(tried, 2)

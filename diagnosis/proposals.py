@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -22,6 +22,7 @@ from diagnosis.standing import (
     NEAR_THE_BEST,
     alone_of,
     best_of,
+    has_read_off,
     is_blunt,
     is_dear,
     is_laid_on_top,
@@ -29,6 +30,7 @@ from diagnosis.standing import (
     is_read_off,
     is_settled,
     is_worth_its_time,
+    loses_phase,
     of_many_numbers,
     orders_of,
     unlike,
@@ -37,7 +39,7 @@ from diagnosis.standing import (
 from diagnosis.trying import Candidate, Work, promises
 from identification.fit import Fit
 from identification.hints import begins_at_periods, other_forms
-from valvemodel.effects import are_aliases, effect_of_key
+from valvemodel.effects import are_aliases, effect_of_key, jumps_in_closed_form
 from valvemodel.stages import EFFECTS
 
 LEADERS = 2
@@ -266,15 +268,15 @@ def from_the_best(tried: Sequence[Candidate]) -> list[Work]:
     that promises something was tried.
     """
     best = best_of(tried, 2)[0]
-    if not explains(best, tried[0]) or best.has_series or is_read_off(best):
+    if not explains(best, tried[0]) or has_read_off(best):
         return []
     alone, values = alone_of(tried), values_alone(tried)
-    known = {frozenset(each.effects): misfit(each) for each in tried}
+    behind = behind_the_best(tried)
     work: list[Work] = []
     for kept, left, other in exchanges(best, alone.values()):
         (key,) = other.effects
-        is_behind = known.get(frozenset((kept, key)), math.inf) > SLIGHTLY * misfit(best)
-        if are_aliases(left, key) and is_behind and not effect_of_key(kept).is_chaotic:
+        is_led_on = not (effect_of_key(kept).is_chaotic or alone[kept].has_series)
+        if are_aliases(left, key) and behind(kept, key) and is_led_on:
             work.append(Work(alone[kept].fit, (kept, key), False, values[key], kin=best.fit))
     return [each for each in work if not is_slow(each)]
 
@@ -285,19 +287,18 @@ def law_in_closed_form(tried: Sequence[Candidate]) -> list[Work]:
     A law of more numbers comes nearer from afar. The one in closed form may be right, and is tried from there.
     """
     pairs = best_of(tried, 2)[:1]
-    if not pairs or not explains(pairs[0], tried[0]):
+    if not pairs or not explains(pairs[0], tried[0]) or not loses_phase(pairs[0]):
         return []
-    best, alone = pairs[0], alone_of(tried)
+    behind = behind_the_best(tried)
+    work = laws_in_place(pairs[0], alone_of(tried))
+    return [each for each in work if jumps_in_closed_form(each.effects) and behind(*each.effects)]
+
+
+def behind_the_best(tried: Sequence[Candidate]) -> Callable[[str, str], bool]:
+    """Return what tells whether two effects, in whatever order, lie behind the best two or were not tried."""
     known = {frozenset(each.effects): misfit(each) for each in tried}
-    return [
-        Work(alone[other].fit, (other, law), True, kin=best.fit)
-        for other, chaotic in jumps_that_gained(best, alone)
-        if effect_of_key(chaotic).is_chaotic and alone[other].has_series == best.has_series
-        for law in alone
-        if are_aliases(chaotic, law)
-        and not effect_of_key(law).is_chaotic
-        and known.get(frozenset((other, law)), math.inf) > SLIGHTLY * misfit(best)
-    ]
+    near = SLIGHTLY * misfit(best_of(tried, 2)[0])
+    return lambda one, other: known.get(frozenset((one, other)), math.inf) > near
 
 
 def near_misses(tried: Sequence[Candidate]) -> list[Work]:
@@ -339,8 +340,20 @@ def promising_if_slow(work: Sequence[Work]) -> list[Work]:
     return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in work]
 
 
+def called_on_slow(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
+    """Return work, of which what begins on a fit that is long is called for as what was tried tells, the base first.
+
+    Where as many effects explain the record it may be in vain, and a third one takes longest of all.
+    """
+    size = max((len(each.effects) for each in work), default=0)
+    ends = [each for each in best_of(tried, size)[:1] if explains(each, tried[0])]
+    if ends:
+        return unless_slow_in_vain(work, ends[0], tried)
+    return promising_if_slow(work) if size > 2 else list(work)
+
+
 def is_slow(work: Work) -> bool:
-    """Return whether fits with the first effect of a cause are long: its runs are, or it has many numbers."""
+    """Return whether fits on top of what a fit has are long: runs of its first effect are, or one has many numbers."""
     return effect_of_key(work.effects[0]).takes_long or bool(of_many_numbers(work.fit.model))
 
 
@@ -387,14 +400,17 @@ def other_laws(tried: Sequence[Candidate]) -> list[Work]:
     if any_explains(tried):
         return []
     alone = alone_of(tried)
-    laws = [key for key in alone if effect_of_key(key).breakaway]
+    return [each for pair in best_of(tried, 2)[:LEADERS] for each in laws_in_place(pair, alone)]
+
+
+def laws_in_place(pair: Candidate, alone: Mapping[str, Candidate]) -> list[Work]:
+    """Return two effects that gain, with the law by which the stem jumps exchanged for the others, from there."""
     return [
         Work(alone[other].fit, (other, law), True, kin=pair.fit)
-        for pair in best_of(tried, 2)[:LEADERS]
         for other, _ in jumps_that_gained(pair, alone)
         if alone[other].has_series == pair.has_series
-        for law in laws
-        if law not in pair.effects
+        for law in alone
+        if effect_of_key(law).breakaway and law not in pair.effects
     ]
 
 
@@ -444,7 +460,7 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
     One that promises most on the leader's residual may only stand in for another that needs the leader's values moved:
     the alias is taken as fitted alone, and what stays with its numbers in the pair comes on top. A cause that was tried
     and lies far behind is tried once more in that way. A whole series of waves takes in whatever goes with time: it
-    makes room for the aliases of its aliases as well.
+    makes room for the aliases of those of its aliases that act in time as well.
     """
     known = {frozenset(each.effects): misfit(each) for each in tried}
     work: dict[frozenset[str], Work] = {}
@@ -453,15 +469,16 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
         for kept, left, other in exchanges(best, best_of(tried, 1)):
             (key,) = other.effects
             cause, values = frozenset((key, kept)), dict(best.fit.model.effects[kept])
-            is_alike = are_aliases(left, key) or (best.has_series and goes_with_waves(left, key))
+            is_series = best.has_series and begins_at_periods(effect_of_key(left))
+            is_alike = are_aliases(left, key) or (is_series and goes_with_time(key, left))
             if is_alike and lies_behind(known.get(cause, math.inf), misfit(best)):
                 work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
     return worthwhile(list(work.values()), tried)
 
 
-def goes_with_waves(series: str, key: str) -> bool:
-    """Return whether a series of waves may stand in for an effect: both are aliases of one that goes with time."""
-    return any(are_aliases(series, each.key) and are_aliases(each.key, key) for each in EFFECTS)
+def goes_with_time(key: str, series: str) -> bool:
+    """Return whether an effect has an alias in common with a series of waves that acts in time: it takes in both."""
+    return any(each.acts_in_time and are_aliases(series, each.key) and are_aliases(each.key, key) for each in EFFECTS)
 
 
 def lies_behind(left: float, least: float) -> bool:

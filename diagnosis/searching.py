@@ -129,8 +129,8 @@ def try_first_again(
 ) -> list[Candidate]:
     """Try what is tried first once more, beside the two effects beside which stairs showed, fitted as these count.
 
-    With them come the pairs that were near, and each effect alone that took a global search: none is searched again
-    where the two explain the record.
+    With them come the pairs that were near, and each effect alone that took a global search: where the two explain the
+    record none is searched again, but a law in closed form in place of one of more numbers.
 
     Parameters
     ----------
@@ -148,8 +148,9 @@ def try_first_again(
     near = [each for each in pairs if misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
     searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
     again = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
-    known = again if explains(again[0], base) else []
-    return with_better(try_first(base, holdout, library, pool, progress, known), again)
+    if explains(again[0], base):
+        return try_first(base, holdout, library, pool, progress, again)
+    return with_better(try_first(base, holdout, library, pool, progress), again)
 
 
 def fitted_again(cause: Candidate, holdout: Holdout) -> Candidate:

@@ -14,6 +14,7 @@ from diagnosis.proposals import (
     SHORTLIST,
     SHORTLIST_BACK,
     SHORTLIST_FURTHER,
+    called_on_slow,
     exchanged,
     extensions,
     from_the_best,
@@ -27,9 +28,7 @@ from diagnosis.proposals import (
     on_what_explains,
     on_what_stays,
     other_laws,
-    promising_if_slow,
     reversed_pairs,
-    unless_slow_in_vain,
     with_jumps,
 )
 from diagnosis.rivals import aliases_of_best, rivals_of_best, short_of_noise, two_that_gain
@@ -147,11 +146,12 @@ def is_enough(candidate: Candidate, base: Candidate) -> bool:
 
 
 def is_told(tried: Sequence[Candidate]) -> bool:
-    """Return whether the nearest two effects explain the record, and neither may stand in for anything.
+    """Return whether the nearest two effects explain the record by both, and neither may stand in for anything.
 
     At the noise none of few numbers can come nearer.
     """
-    return any(is_enough(each, tried[0]) for each in best_of(tried, 2)[:1])
+    alone = alone_of(tried)
+    return any(is_enough(each, tried[0]) and gains_by_both(each, alone) for each in best_of(tried, 2)[:1])
 
 
 def gains(candidate: Candidate, other: Candidate) -> bool:
@@ -187,11 +187,7 @@ def on_top_of_the_best(
     leaders, what = leaders_of(order), f"{size} effects together"
     for number, leader in enumerate(leaders):
         work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, pool)
-        ends = [each for each in best_of(known, size)[:1] if explains(each, base)]
-        if ends:
-            work = unless_slow_in_vain(work, ends[0], known)
-        elif size > 2:
-            work = promising_if_slow(work)
+        work = called_on_slow(work, known)
         # Readings in coarse steps tell less: what is not alike may come as near.
         until = settles if not is_read_off(leader) else never
         for part in (local(work), wide(work)):
@@ -206,7 +202,8 @@ def on_top_of_the_best(
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]
     rest = [each for each in rest if all(each.fit is not leader.fit for leader in leaders)]
-    work = still_called_for(extensions(rest, known, single, SHORTLIST_BACK, pool), known)
+    work = called_on_slow(extensions(rest, known, single, SHORTLIST_BACK, pool), known)
+    work = still_called_for(work, known)
     known += try_all(work, holdout, pool, progress, what)
     if size == 2:
         known = with_better(known, try_all(reversed_pairs(known, single), holdout, pool, progress, what))

@@ -38,6 +38,10 @@ def test_noise_before_a_coarse_converter_shows_as_whole_steps(answer):
 
 def test_the_share_of_a_free_run_stands_beside_that_of_the_re_anchored_one(answer):
     plant = draw_plant(5, ("static_friction",))
+    valve = read_valve("calibrated")
+    sticking = Model(valve.name, valve.values).with_effect("static_friction", static_friction_ratio=1.3)
+    sticking.write(answer / "model.json")
     free, anchored = (closure_on_unseen(answer, plant, 3, is_anchored=each) for each in (False, True))
     assert anchored["base"] < free["base"]
+    assert anchored["closed"] != pytest.approx(anchored["closed_free"], rel=0.01)
     assert anchored["closed_free"] == free["closed_free"] == free["closed"]

@@ -148,6 +148,7 @@ def test_two_effects_of_which_one_adds_nothing_end_no_search(alone, is_looked_fo
     tried = [candidate(9.0), candidate(alone, "sensor_lag"), candidate(7.0, "static_friction")]
     tried.append(candidate(1.31, "static_friction", "sensor_lag"))
     assert selection.is_explained(tried, 2) != is_looked_for
+    assert selection.is_told(tried) != is_looked_for
 
 
 def test_single_effects_that_nearly_explain_are_searched_for_from_every_start():
@@ -706,7 +707,11 @@ def test_a_series_makes_room_for_what_goes_with_time():
     """Growing friction beside choked flow was never tried: a load at will came nearest, which takes in all of that."""
     alone = [candidate(19.0, "friction_drift"), candidate(40.0, "choked_flow"), waves(15.0, "load_force")]
     tried = [candidate(68.0), *alone, waves(1.5, "choked_flow", "load_force")]
-    assert ("friction_drift", "choked_flow") in {each.effects for each in exchanged(tried)}
+    tried[1:1] = [candidate(50.0, key) for key in ("spring_hardening", "air_leak")]
+    work = {each.effects for each in exchanged(tried)}
+    assert ("friction_drift", "choked_flow") in work
+    # What acts in time is no link between others.
+    assert work.isdisjoint({("spring_hardening", "load_force"), ("air_leak", "choked_flow")})
     tried[-1] = replace(tried[-1], has_series=False)
     assert ("friction_drift", "choked_flow") not in {each.effects for each in exchanged(tried)}
 
