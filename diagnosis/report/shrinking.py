@@ -40,13 +40,15 @@ def closes_of(diagnosis: Mapping[str, Any]) -> str:
 
 
 def measure_of(diagnosis: Mapping[str, Any]) -> str:
-    """Say what the sizes of the gap are, and on which data they were taken."""
-    scored_on = (diagnosis.get("gap") or {}).get("scored_on")
+    """Say what the sizes of the gap are, on which data they were taken, and how, unless by free runs."""
+    gap = diagnosis.get("gap") or {}
+    scored_on, yardstick = gap.get("scored_on"), gap.get("yardstick") or "free run"
+    how = "" if yardstick == "free run" else f", each model {yardstick}"
     data = {
         "held-out blocks": "parts of the record that no fit saw",
         "other records": "a record that no fit saw",
     }.get(scored_on or "", scored_on or "data not used for fitting")
-    return f"Typical error (root mean square) on {data}."
+    return f"Typical error (root mean square) on {data}{how}."
 
 
 def black_box_of(diagnosis: Mapping[str, Any]) -> str:

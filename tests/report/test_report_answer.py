@@ -199,3 +199,10 @@ def test_a_number_that_no_fit_moved_is_said_with_its_unit_and_where_it_comes_fro
     found = {name: {"value": value, "unit": units[name], "std": 0.01 * value} for name, value in values.items()}
     diagnosis["causes"] = [cause([key], 0.9, 1.58e-4, 0.99, parameters={key: found})]
     assert said in printed(diagnosis)
+
+
+@pytest.mark.parametrize("yardstick", ["free run", "re-anchored on the measured position every 2 s"])
+def test_a_gap_of_re_anchored_runs_is_said_to_be_one(yardstick: str) -> None:
+    diagnosis = effect()[0]
+    diagnosis["gap"] = diagnosis["gap"] | {"yardstick": yardstick}
+    assert (f", each model {yardstick}." in joined(printed(diagnosis))) == (yardstick != "free run")
