@@ -296,9 +296,9 @@ def test_two_effects_beside_which_stairs_showed_are_kept_and_spare_a_search_wher
     holdout, first = hold_out([sticking], kept=0), Candidate(("coil_lag",), base, score_of(*[90.0] * 6))
     known = []
 
-    def first_again(base, *rest):
-        known.extend(rest[-1])
-        return [base, first]
+    def first_again(base, holdout, library, pool, progress, pairs=()):
+        known.extend(pairs)
+        return [base, first, *pairs]
 
     monkeypatch.setattr(searching, "try_first", first_again)
     found = searching.try_first_again(tried, tried[0], holdout, [], None, lambda *_: None)
