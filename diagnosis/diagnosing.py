@@ -289,7 +289,6 @@ def diagnose_with(
     likeness = begun(pool, confusability, whole_base, library)
     shams = begun(pool, shams_on, first, holdout)
     tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
-    floors = floors_of(tried, holdout)
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
     order = order_of(tried, judgement)
@@ -298,7 +297,7 @@ def diagnose_with(
         order.sort(key=lambda number: tried[number].has_series)
     shown = tried[order[0]]
     yardstick = yardstick_of(shown)
-    floor = floors[0] if yardstick == "free" else floors[1]
+    floor = floor_of(tried, holdout, yardstick)
     causes = causes_of(tried, order, judgement, floor, yardstick)
     as_given = errors_as_given(model, holdout, yardstick)
     control = control_of(tried, shams(), yardstick)
@@ -357,12 +356,10 @@ def curves_left(
     return curves_of_ageing(base) if verdict == "effect" and jumps(shown.effects) else []
 
 
-def floors_of(candidates: Sequence[Candidate], holdout: Holdout) -> tuple[float, float]:
-    """Return the floors of free and re-anchored run: what noise leaves of the readings, or the best fit's error."""
-    floor = holdout.floor
-    free = min(each.score.free.rms for each in candidates)
-    anchored = min(each.score.anchored.rms for each in candidates)
-    return min(floor, free), min(floor, anchored)
+def floor_of(candidates: Sequence[Candidate], holdout: Holdout, yardstick: str) -> float:
+    """Return the floor of the gap: what noise leaves of the readings, or the best fit's error. [m]"""
+    best = min(getattr(each.score, yardstick).rms for each in candidates)
+    return min(holdout.floor, best)
 
 
 def yardstick_of(likely: Candidate) -> str:

@@ -157,7 +157,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     best = int(np.argmax(support))
     unknown_form = UNKNOWN_FORM_STAIRS if has_stairs else UNKNOWN_FORM_SLIPS if slips[best] else UNKNOWN_FORM
     if candidates[best].has_series:
-        unknown_form = min(unknown_form, UNKNOWN_FORM_SERIES)
+        unknown_form = UNKNOWN_FORM_SERIES
     # It is credited with no more than a known cause that leaves nothing to explain.
     least = min([best, *ends], key=lambda number: before[number])
     expected = (UNKNOWN_NOTICE + unknown_form * full[least]) / (NOTICE + form[best] * full[least] + before[least])

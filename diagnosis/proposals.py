@@ -30,7 +30,6 @@ from diagnosis.standing import (
     is_read_off,
     is_settled,
     is_worth_its_time,
-    loses_phase,
     of_many_numbers,
     orders_of,
     unlike,
@@ -287,7 +286,7 @@ def law_in_closed_form(tried: Sequence[Candidate]) -> list[Work]:
     A law of more numbers comes nearer from afar. The one in closed form may be right, and is tried from there.
     """
     pairs = best_of(tried, 2)[:1]
-    if not pairs or not explains(pairs[0], tried[0]) or not loses_phase(pairs[0]):
+    if not pairs or not explains(pairs[0], tried[0]):
         return []
     behind = behind_the_best(tried)
     work = laws_in_place(pairs[0], alone_of(tried))

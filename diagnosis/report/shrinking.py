@@ -41,14 +41,19 @@ def closes_of(diagnosis: Mapping[str, Any]) -> str:
 
 def measure_of(diagnosis: Mapping[str, Any]) -> str:
     """Say what the sizes of the gap are, on which data they were taken, and how, unless by free runs."""
-    gap = diagnosis.get("gap") or {}
-    scored_on, yardstick = gap.get("scored_on"), gap.get("yardstick") or "free run"
-    how = "" if yardstick == "free run" else f", each model {yardstick}"
+    scored_on, anchored = (diagnosis.get("gap") or {}).get("scored_on"), re_anchored(diagnosis)
+    how = f", each model {anchored}" if anchored else ""
     data = {
         "held-out blocks": "parts of the record that no fit saw",
         "other records": "a record that no fit saw",
     }.get(scored_on or "", scored_on or "data not used for fitting")
     return f"Typical error (root mean square) on {data}{how}."
+
+
+def re_anchored(diagnosis: Mapping[str, Any]) -> str:
+    """Return how the models were put back on the reading; empty where they ran freely, or nothing says."""
+    yardstick = (diagnosis.get("gap") or {}).get("yardstick") or "free run"
+    return "" if yardstick == "free run" else yardstick
 
 
 def black_box_of(diagnosis: Mapping[str, Any]) -> str:

@@ -30,7 +30,7 @@ from diagnosis.report.finding import WORTH_SAYING, found_cause
 from diagnosis.report.headline import confidence_of, explanation_of, headline_of, tag_of
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import StageWords, regimes_of, stages_of, where_of
-from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of
+from diagnosis.report.shrinking import black_box_of, closes_of, gap_rows_of, measure_of, re_anchored
 from diagnosis.report.where import half_of_chain
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.effects import HIGHER
@@ -267,12 +267,12 @@ def _judged(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _measured(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
     """Say how the models ran, where the diagnosis says it."""
-    yardstick = (diagnosis.get("gap") or {}).get("yardstick")
-    if not yardstick:
+    if not (diagnosis.get("gap") or {}).get("yardstick"):
         return ()
-    if yardstick == "free run":
+    anchored = re_anchored(diagnosis)
+    if not anchored:
         return ("Each model ran freely from the start of the record under its current.",)
-    return (f"Each model ran under the current of the record, {yardstick}: slips that stick make a free run drift.",)
+    return (f"Each model ran under the current of the record, {anchored}: slips that stick make a free run drift.",)
 
 
 def _controlled(diagnosis: Mapping[str, Any]) -> tuple[str, ...]:
