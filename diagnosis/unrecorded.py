@@ -6,22 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from identification.driving.between_rows import MOST_PARTS, doubts_of, rms_of_most
+from identification.driving.between_rows import COUNTS, unknown_if_held
 from identification.driving.measured_current import error_of_current
 from identification.experiment import Experiment
-from identification.fit import Fit, simulate_model
-from valvemodel.periods import straight
-
-SLOW = 0.2
-"""Sampling interval from which a current is not taken to be held between rows. [s]"""
-
-MOVING = 0.5
-"""Share of the rows with another current than before from which it moves all the time, as in a closed loop."""
-
-WORTH_SAYING = 0.3
-"""Error over the noise from which it counts."""
+from identification.fit import Fit
 
 SLOW_ROWS = (
     "what the current does between two rows shifts the stem by {error} and is not recorded; that counts as noise, and"
@@ -49,9 +37,9 @@ def with_unrecorded(experiments: Sequence[Experiment], base: Fit) -> tuple[list[
     for experiment in experiments:
         noisy, of_pressure = error_of_current(experiment, base)
         errors = {SLOW_ROWS: sampling_error(experiment, base), NOISY_CURRENT: noisy}
-        counted = {why: error for why, error in errors.items() if error > WORTH_SAYING * experiment.noise}
+        counted = {why: error for why, error in errors.items() if error > COUNTS * experiment.noise}
         notes += [f"{experiment.name}: {why.format(error=f'{1e3 * error:.2g} mm')}" for why, error in counted.items()]
-        if counted or of_pressure > WORTH_SAYING * experiment.pressure_noise:
+        if counted or of_pressure > COUNTS * experiment.pressure_noise:
             noise = math.hypot(experiment.noise, *counted.values())
             experiment = replace(
                 experiment, noise=noise, pressure_noise=math.hypot(experiment.pressure_noise, of_pressure)
@@ -70,14 +58,7 @@ def sampling_error(experiment: Experiment, base: Fit) -> float:
     """Return by how much a reading differs where the current goes another way from row to row than is taken. [m]
 
     A current that moves on goes straight instead, or jumps earlier or later: what hangs on that was left out, but for
-    what was not known to, a tenth of the readings at most. One that is held ramps.
+    what was not known to, a tenth of the readings at most. How much that is was told by the fit by which they were left
+    out: the base alone, fitted to what remains, may be so lively that it tells far more. One that is held ramps.
     """
-    if experiment.parts > 1:
-        doubts, _ = doubts_of(experiment, base)
-        return rms_of_most(doubts[np.isfinite(experiment.position)])
-    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOVING:
-        return 0.0
-    held = base.simulated_on(experiment).position[0]
-    ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
-    ramped = simulate_model(base.model, ramping, start_position=held[0]).position[0]
-    return float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))
+    return experiment.unseen if experiment.parts > 1 else unknown_if_held(experiment, base)

@@ -27,6 +27,9 @@ EDGE = 1e-4
 """Distance from a bound, scaled, within which a number is the bound: a search that keeps inside stands just beside it,
 and the moments of a lag of a microsecond are dear to follow."""
 
+ROUNDING = 1e-12
+"""The same of a logarithmic number, relative: the bound's own logarithm may come back as what lies just beyond it."""
+
 
 @dataclass(frozen=True)
 class Unknown:
@@ -51,8 +54,11 @@ class Unknown:
     def value(self, x: np.ndarray | float) -> np.ndarray:
         """Return the value at a scaled number, beside a bound the bound itself."""
         if self.is_logarithmic:
-            return self.centre * np.exp(x)
-        value, edge = self.centre + self.spread * np.asarray(x), EDGE * self.spread
+            value = self.centre * np.exp(np.asarray(x))
+            edge = ROUNDING * value
+        else:
+            value = self.centre + self.spread * np.asarray(x)
+            edge = np.asarray(EDGE * self.spread)
         value = np.where(np.abs(value - self.low) < edge, self.low, value)
         return np.where(np.abs(value - self.high) < edge, self.high, value)
 

@@ -12,7 +12,8 @@ from identification.fit import Fit, fit_base, fitted_to_all, measured, simulate_
 from identification.noise import noise_level
 from identification.timing import END_OF_PERIOD
 from identification.uncertainty import rms_of
-from valvemodel.periods import jumps, passing_otherwise
+from valvemodel.effects import effect_of_key
+from valvemodel.periods import jumps, passing_otherwise, straight
 
 PART, MOST_PARTS = 0.02, 8
 """Parts of a period are about so long, but for those of slow rows, which have so many. [s]"""
@@ -34,6 +35,10 @@ slower than they were driven 49 of 64."""
 SLOWER, MOVING = 0.03, 0.2
 """Interval between rows [s], and share of the rows with another current than before, from which the current may have
 moved on between them though no jump shows it."""
+
+SLOW, ALWAYS, COUNTS = 0.2, 0.5, 0.3
+"""Sampling interval from which nobody knows that a current was held between the rows [s], if in such a share of them it
+is another than before, as in a closed loop; and the error, over the noise, from which that counts."""
 
 USUAL = 0.9
 """Share of the errors, the smallest ones, by which two ways of the current are compared."""
@@ -71,8 +76,9 @@ def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Ex
 
     A current is held from row to row where the records do not speak against it. Two things do: the stem answers jumps
     of the current before the row of the jump, now more, now less; or the base comes much nearer with a current that
-    moves on through the rows. Readings that hang on where it was meanwhile are left out. What one record of a valve
-    shows is true of others at its pace.
+    moves on through the rows. Readings that hang on where it was meanwhile are left out. Of slow rows nobody knows
+    either, and what is left then is sure whichever is true. What one record of a valve shows is true of others at its
+    pace.
 
     Parameters
     ----------
@@ -127,7 +133,7 @@ def followed_anew(experiments: Sequence[Experiment], held: Sequence[Experiment],
     """Return experiments whose currents move on as a fit tells that came nearer than the base.
 
     What hangs on how a current moved on, and how late it came, is known as well as the valve is. Those of which the fit
-    tells much the same stay as they are.
+    tells much the same stay as they are, and those of whose readings more would hang on it than before, beyond noise.
 
     Parameters
     ----------
@@ -144,10 +150,14 @@ def followed_anew(experiments: Sequence[Experiment], held: Sequence[Experiment],
 
 
 def _told_anew(experiment: Experiment, held: Experiment, near: Fit) -> Experiment:
-    found, _ = followed(moving_on(held), fitted_to_all(near, [experiment], starts_anew=True))
+    # Fits of what takes long to run are not made for every lateness.
+    takes_long = any(effect_of_key(key).takes_long for key in near.model.effects)
+    lates = (experiment.late,) if takes_long else LATE
+    found, _ = followed(moving_on(held), fitted_to_all(near, [experiment], starts_anew=True), lates)
     is_known, was_known = np.isfinite(found.position), np.isfinite(experiment.position)
     is_same = abs(found.late - experiment.late) < SAME_LATE and np.mean(is_known != was_known) < SAME_LEFT_OUT
-    return experiment if is_same else found
+    tells_less = found.unseen > max(experiment.unseen, experiment.noise)
+    return experiment if is_same or tells_less else found
 
 
 def _moved(held: Experiment, base: Fit) -> Experiment | None:
@@ -156,7 +166,20 @@ def _moved(held: Experiment, base: Fit) -> Experiment | None:
     first = len(held.time) - len(moved.time)
     sure = replace(held, position=np.append(np.full(first, np.nan), moved.position))
     near, far = usual_error(moved, fitted), usual_error(sure, fitted_to_all(base, [sure], starts_anew=True))
-    return moved if near < (NEARER_IF_SEEN if jumps_between(moving_on(held)) else NEARER) * far else None
+    is_nearer = near < (NEARER_IF_SEEN if jumps_between(moving_on(held)) else NEARER) * far
+    unknown = unknown_if_held(held, base)
+    is_surer = max(moved.unseen, COUNTS * held.noise) < unknown
+    return moved if is_nearer or is_surer else None
+
+
+def unknown_if_held(experiment: Experiment, base: Fit) -> float:
+    """Return by how much a reading differs where a held current ramps from row to row instead; 0 of quick rows. [m]"""
+    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < ALWAYS:
+        return 0.0
+    held = base.simulated_on(experiment).position[0]
+    ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
+    ramped = simulate_model(base.model, ramping, start_position=held[0]).position[0]
+    return float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))
 
 
 def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
@@ -165,21 +188,22 @@ def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     return followed(whole, fit_base(base.problem.model, [whole]))
 
 
-def followed(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
+def followed(whole: Experiment, near: Fit, lates: Sequence[float] = LATE) -> tuple[Experiment, Fit]:
     """Return an experiment whose current comes as late as fits best, without what hangs on how, and the fit to it.
 
     Damping makes up for much of being late, until the valve has so little left that it overshoots, and all readings
     hang on that: of what comes about as near the lateness is taken that leaves out least.
     """
     found = []
-    for late in LATE:
+    for late in lates:
         kept, near = settled(replace(whole, late=late), near)
         found.append((kept, near, rms_of(near, [kept], measured([kept]))))
     limit = AS_NEAR * min(missed for *_, missed in found)
     kept, near, _ = max(
         (each for each in found if each[-1] <= limit), key=lambda each: np.isfinite(each[0].position).sum()
     )
-    return kept, near
+    doubts, _ = doubts_of(kept, near)
+    return replace(kept, unseen=rms_of_most(doubts[np.isfinite(kept.position)])), near
 
 
 def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:

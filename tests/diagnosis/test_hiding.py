@@ -101,6 +101,17 @@ def test_a_load_at_will_that_leaves_some_is_rather_an_unknown_cause_that_it_stan
     assert (judge([candidate(68.0), load]).unknown > 0.5) == is_unknown
 
 
+def test_a_load_at_will_beside_a_law_of_jumps_is_judged_as_slips_are(monkeypatch):
+    """What an unknown cause leaves beside slips is more: waves were judged as in a smooth record there as well."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    load = replace(candidate(2.5, "load_force", "static_friction"), has_series=True, freedom=4)
+    unknown = {}
+    for makes in (True, False):
+        monkeypatch.setattr(judgement, "makes_slips", lambda each, makes=makes: makes and each is load)
+        unknown[makes] = judge([candidate(68.0), load]).unknown
+    assert unknown[True] < 0.3 < 0.5 < unknown[False]
+
+
 def test_what_explains_the_gap_needs_no_stops(monkeypatch):
     """Friction below notice lets the stem rest on its way as well."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: True)
@@ -123,6 +134,16 @@ def test_of_causes_that_explain_the_gap_the_nearest_of_as_many_effects_is_the_mo
     most = judgement.MOST_BEHIND
     assert judged.lost == pytest.approx([most, 0.0, 1.0, most, most, 0.0])
     assert judged.evidence[1] - judged.evidence[2] < 0.2
+
+
+def test_a_great_gap_lets_causes_of_as_many_effects_differ_by_their_form(monkeypatch):
+    """By a factor e a ten-thousandth of what the base leaves, where that is more: saturation stood for friction."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    near, behind = (
+        candidate(left, key, "asymmetric_filling") for left, key in ((1.09, "coil_lag"), (1.17, "gap_drift"))
+    )
+    for gap, lost in ((400.0, 2.0), (1000.0, 0.8), (50.0, judgement.MOST_BEHIND)):
+        assert judge([candidate(gap), near, behind]).lost[2] == pytest.approx(lost)
 
 
 def test_what_another_form_may_leave_excuses_little_where_a_second_effect_takes_it_in_to_the_noise(monkeypatch):

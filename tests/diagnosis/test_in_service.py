@@ -81,11 +81,13 @@ def test_fast_rows_have_no_sampling_error(given, quiet) -> None:
     assert not notes
 
 
-@pytest.mark.parametrize("effect", ["position_dependent_friction", ""])
-def test_a_logger_five_times_slower_than_the_driver_names_what_is_there(effect: str) -> None:
+@pytest.mark.parametrize(
+    ("effect", "every"), [("position_dependent_friction", 5), ("", 5), ("choked_flow", 10), ("", 10)]
+)
+def test_a_logger_slower_than_the_driver_names_what_is_there(effect: str, every: int) -> None:
     keys = (effect,) if effect else ()
     taken = measure(draw_plant(5, keys), 1005)
-    slow = Record.from_arrays(name="slow", **{name: values[::5] for name, values in taken.items()})
+    slow = Record.from_arrays(name="slow", **{name: values[::every] for name, values in taken.items()})
     valve = read_valve("calibrated")
     found = diagnose([slow], Model(valve.name, valve.values), jobs=2)
     assert any("between the rows" in each for each in found.warnings)

@@ -13,9 +13,11 @@ from identification.hints import coarsest_grid, strongest_periods
 from identification.noise import flicker_level, noise_level, reading_grid
 from identification.uncertainty import covariance, estimates
 from identification.unknowns import EDGE, unknown_of
+from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.stages import EFFECTS
 from valvemodel.valves import read_valve
 
 
@@ -180,3 +182,11 @@ def test_a_number_just_beside_its_bound_is_the_bound() -> None:
     assert values[:2].tolist() == [unknown.low, unknown.low]
     assert values[2] == pytest.approx(unknown.low + 2.0 * EDGE * unknown.spread)
     assert values[3] == unknown.high
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.key)
+def test_no_number_of_an_effect_leaves_its_bounds_by_rounding(effect: Effect) -> None:
+    """A search that ends on a bound must give a valve: that of a recovery over 200 s broke off before."""
+    for unknown in (unknown_of(each) for each in effect.parameters if each.is_fitted):
+        ends = np.array([float(unknown.value(end)) for end in unknown.bounds])
+        assert ends.tolist() == [unknown.low, unknown.high]

@@ -8,13 +8,19 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.unrecorded import with_unrecorded
+from identification.driving import between_rows
 from identification.driving.between_rows import (
+    COUNTS,
+    LATE,
     answers_in_row,
     doubts_of,
+    followed_anew,
     jumps_between,
     moving_between_rows,
     moving_on,
     said_of_motion,
+    unknown_if_held,
 )
 from identification.experiment import Experiment, score_rows, simulate_rows
 from identification.fit import Fit, fit_base
@@ -168,6 +174,51 @@ def test_the_pressure_that_hangs_on_it_is_left_out_too(given):
     assert np.array_equal(np.isfinite(moved.pressure), np.isfinite(moved.position))
     run = fit_base(given, [moved]).simulated_on(moved)
     assert np.sqrt(np.nanmean((moved.pressure - run.pressure[0]) ** 2)) < 1.5 * moved.pressure_noise
+
+
+@pytest.fixture(scope="module")
+def very_slow(given) -> tuple[Experiment, Experiment, Fit]:
+    """A choked valve read five times a second: its currents held, moving on, and the base fitted to the first."""
+    record = record_of(measure(draw_plant(5, ("choked_flow",)), 1005), 10)
+    held, base = held_and_base(record, given)
+    return held[0], moving_between_rows(held, base)[0], base
+
+
+def test_of_slow_rows_that_is_kept_which_is_sure_whichever_way_the_current_went(very_slow):
+    """A held current would leave it unknown by millimetres, in which the gap went unseen."""
+    held, moved, base = very_slow
+    assert held.parts == 1 < moved.parts
+    assert unknown_if_held(held, base) > 10.0 * held.noise
+    assert moved.unseen < COUNTS * held.noise
+    assert np.isfinite(moved.position).mean() > 0.4
+
+
+def test_what_hangs_on_the_current_is_told_by_the_fit_that_left_out_what_hangs_on_it_most(very_slow):
+    """The base alone may be so lively that most hangs on it: that counted as noise, and no gap was left."""
+    _, moved, base = very_slow
+    lively = Model("lively", {**base.model.values, "viscous_friction": 100.0, "stem_mass": 8.0})
+    doubts, _ = doubts_of(moved, replace(base, model=lively))
+    assert np.sqrt(np.nanmean(doubts**2)) > 10.0 * moved.noise
+    assert with_unrecorded([moved], replace(base, model=lively)) == ([moved], [])
+
+
+@pytest.mark.parametrize(("unseen", "is_taken"), [(1e-5, True), (1e-3, False)])
+def test_a_fit_by_which_more_would_go_unseen_tells_nothing_anew(monkeypatch, very_slow, unseen, is_taken):
+    held, moved, base = very_slow
+    anew = replace(moved, late=moved.late + 0.1, unseen=unseen)
+    monkeypatch.setattr(between_rows, "followed", lambda whole, near, lates: (anew, near))
+    assert followed_anew([moved], [held], base) == [anew if is_taken else moved]
+
+
+@pytest.mark.parametrize(("key", "count"), [("presliding", 1), ("choked_flow", len(LATE))])
+def test_what_takes_long_to_run_is_fitted_for_one_lateness(monkeypatch, very_slow, key, count):
+    held, moved, base = very_slow
+    near = replace(base, model=base.model.with_effect(key))
+    asked = []
+    monkeypatch.setattr(between_rows, "fitted_to_all", lambda fit, *_, **__: fit)
+    monkeypatch.setattr(between_rows, "followed", lambda whole, near, lates: asked.append(lates) or (moved, near))
+    followed_anew([moved], [held], near)
+    assert [len(each) for each in asked] == [count]
 
 
 @pytest.mark.parametrize("route", ["exact", "smooth"])
