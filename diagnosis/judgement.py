@@ -57,15 +57,15 @@ FORM_SLIPS, UNKNOWN_FORM_SLIPS = 0.03, 0.2
 """The same for a cause that makes the stem stop and jump, in a record without stairs."""
 
 UNKNOWN_FORM_SERIES = 0.02
-"""The same as UNKNOWN_FORM where a whole series of waves comes nearest: it takes in most of whatever goes with time. Of
-blind valves of our own eight with such a load left 0.98 to 1.34 in square, three whose friction grew, with that left
-out, 1.6 to 14."""
+"""The same as UNKNOWN_FORM where a whole series of waves comes nearest in a smooth record: it takes in most of whatever
+goes with time. Of blind valves of our own eight with such a load left 0.98 to 1.34 in square, three whose friction
+grew, with that left out, 1.6 to 14."""
 
 BEHIND, BEHIND_SHARE, BEHIND_A_LAW, MOST_BEHIND = 0.01, 1e-4, 0.1, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
 the gap to lose a factor e in likelihood, or as a share of the base's if that is more, as forms differ by some of that;
-the same where they differ by the law of the slips, as searches for one end nowhere exact; and the most that it loses
-so. White noise alone would tell tenths of the first."""
+the same where they differ by the law of the slips, as searches for one end nowhere exact, and at most; and the most
+that it loses so. White noise alone would tell tenths of the first."""
 
 NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.05, 0.35
 """The same for one effect more, beyond what another form may leave: two effects below notice leave as much; the share
@@ -272,15 +272,14 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
         share = FORM_BESIDE if takes_most and not makes_slips(other) else 1.0
         return NEARER + share * FORM * max(misfit(candidates[0]) - 1.0, 0.0)
 
-    of_form = BEHIND_SHARE * misfit(candidates[0])
+    unit_of_form = float(np.clip(BEHIND_SHARE * misfit(candidates[0]), BEHIND, BEHIND_A_LAW))
 
-    def behind(each: Candidate, other: Candidate, allowed: float, form: float = 0.0) -> float:
-        unit = BEHIND_A_LAW if differ_by_law(each, other) else max(BEHIND, form)
-        return (left(each, each) - left(other, each) - allowed) / unit
+    def behind(each: Candidate, other: Candidate, allowed: float, unit: float = BEHIND) -> float:
+        return (left(each, each) - left(other, each) - allowed) / (BEHIND_A_LAW if differ_by_law(each, other) else unit)
 
     for number, each in enumerate(candidates):
         losses = [
-            behind(each, other, BEHIND * max(other.freedom - each.freedom, 0), of_form)
+            behind(each, other, BEHIND * max(other.freedom - each.freedom, 0), unit_of_form)
             for other in others
             if (len(other.effects) == len(each.effects) and other.freedom <= each.freedom + MORE_NUMBERS)
             or (each.has_series and set(each.effects) < set(other.effects))

@@ -65,7 +65,7 @@ class Search:
     progress: Progress
 
     def on(self, held: Sequence[Experiment]) -> Searched:
-        """Search for the causes of experiments whose currents are held from row to row, or move on where they show it.
+        """Search for the causes of experiments whose currents are held from row to row, or move on as far as they tell.
 
         How a current moved on between the rows is known as well as the valve is: where the nearest cause tells it
         otherwise than the base did, all is tried once more. In stairs, which run out of phase, it tells nothing of it.

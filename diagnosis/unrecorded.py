@@ -61,4 +61,4 @@ def sampling_error(experiment: Experiment, base: Fit) -> float:
     what was not known to, a tenth of the readings at most. How much that is was told by the fit by which they were left
     out: the base alone, fitted to what remains, may be so lively that it tells far more. One that is held ramps.
     """
-    return experiment.unseen if experiment.parts > 1 else unknown_if_held(experiment, base)
+    return experiment.sampling_error if experiment.parts > 1 else unknown_if_held(experiment, base)

@@ -40,7 +40,9 @@ NEXT = "drive the valve up and down twice through at least a quarter of its trav
 
 ONE_WAY = "the stem moves one way only"
 
-MOVED_UNSEEN = "the current went on between the rows, and how late it came is told by the same readings"
+MOVED_UNSEEN = (
+    "how the current went on between the rows is not recorded, and how late it came is told by the same readings"
+)
 
 
 def adequate(experiments: Sequence[Experiment]) -> tuple[list[Experiment], list[str]]:

@@ -97,9 +97,9 @@ class Experiment:
     late : float
         Share of a period by which a current that moves on comes later than its rows say, as one that is held for
         shorter periods does.
-    unseen : float [m]
-        What the readings hang on where a current that moves on was meanwhile, root mean square, as the fit tells it by
-        which those that hang on it most were left out.
+    sampling_error : float [m]
+        By how much the readings hang on where a current that moves on was meanwhile, root mean square but for the
+        largest tenth, as the fit tells it by which those that hang on it most were left out.
     current_noise, current_step : float [A]
         White noise that was taken out of the current, and the step to which it was rounded before; 0 where it is as it
         was recorded.
@@ -120,7 +120,7 @@ class Experiment:
     reads_at_end: bool = False
     parts: int = 1
     late: float = 0.0
-    unseen: float = 0.0
+    sampling_error: float = 0.0
     current_noise: float = 0.0
     current_step: float = 0.0
 

@@ -36,17 +36,20 @@ SLOWER, MOVING = 0.03, 0.2
 """Interval between rows [s], and share of the rows with another current than before, from which the current may have
 moved on between them though no jump shows it."""
 
-SLOW, ALWAYS, COUNTS = 0.2, 0.5, 0.3
+SLOW, MOST_ROWS = 0.2, 0.5
 """Sampling interval from which nobody knows that a current was held between the rows [s], if in such a share of them it
-is another than before, as in a closed loop; and the error, over the noise, from which that counts."""
+is another than before, as in a closed loop."""
+
+COUNTS = 0.3
+"""Error of what a record does not have of its current from which it counts. [noise]"""
 
 USUAL = 0.9
 """Share of the errors, the smallest ones, by which two ways of the current are compared."""
 
 NEARER, NEARER_IF_SEEN = 0.88, 1.1
 """Error with a current that moves on over that with a held one, on the same readings and each with the base fitted to
-them, below which it moves on, and where jumps show it. Of 336 records of 48 blind valves with held currents 7 were
-taken to have moved on so, all but one of valves slow to answer; of 144 records in which it did 125 were."""
+them, below which that shows it moves on, and where jumps show it. Of 336 records of 48 blind valves with held currents
+7 were taken to have moved on so, all but one of valves slow to answer; of 144 records in which it did 125 were."""
 
 SAME_PACE = 1.5
 """Factor within which the rows of two records follow each other as fast."""
@@ -65,10 +68,15 @@ LATE = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)
 those, and was seen to go on between the rows where they are half as long as ours or less."""
 
 AS_NEAR = 1.02
-"""Factor in error within which a current may come late by one or the other share."""
+"""Factor in error within which a current may come late by one or the other share, or may be held or move on."""
 
 LEAST_SURE = 0.4
 """Share of the readings that are kept, those that depend least on it, however many depend more."""
+
+
+UNSEEN = "the current went on between the rows, unseen"
+FAR_APART = "how the current went on between rows so far apart is not recorded"
+"""What is said of a current that is taken to have moved on, of quick and of slow rows."""
 
 
 def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
@@ -76,9 +84,9 @@ def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Ex
 
     A current is held from row to row where the records do not speak against it. Two things do: the stem answers jumps
     of the current before the row of the jump, now more, now less; or the base comes much nearer with a current that
-    moves on through the rows. Readings that hang on where it was meanwhile are left out. Of slow rows nobody knows
-    either, and what is left then is sure whichever is true. What one record of a valve shows is true of others at its
-    pace.
+    moves on through the rows. Readings that hang on where it was meanwhile are left out. Where slow rows show neither
+    that it moved nor that it was held, it moves on if less of what is kept hangs on it so. What one record of a valve
+    shows is true of others at its pace.
 
     Parameters
     ----------
@@ -86,15 +94,15 @@ def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Ex
     base : Fit
         Of the base to them or some of them, their currents held.
     """
-    moved = [_moved(each, base) if may_have_moved(each) else None for each in experiments]
-    paces = [each.period for each in moved if each is not None]
+    moved = [_moved(each, base) if may_have_moved(each) else (None, False) for each in experiments]
+    paces = [each.period for each, is_shown in moved if each is not None and is_shown]
 
     def is_alike(each: Experiment) -> bool:
         return not each.is_loop and any(1.0 / SAME_PACE < each.period / pace < SAME_PACE for pace in paces)
 
     return [
         found or (_followed(each, base)[0] if is_alike(each) else each)
-        for found, each in zip(moved, experiments, strict=True)
+        for (found, _), each in zip(moved, experiments, strict=True)
     ]
 
 
@@ -121,8 +129,9 @@ def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held
         if moved.parts > 1:
             left_out = 1.0 - np.isfinite(moved.position).sum() / np.isfinite(before.position).sum()
             period = 1e3 * moved.period
+            is_slow = moved.period >= SLOW
             said.append(
-                f"{moved.name}: the current went on between the rows, unseen; it is taken to have moved through them,"
+                f"{moved.name}: {FAR_APART if is_slow else UNSEEN}; it is taken to have moved through them,"
                 f" {moved.late * period:.2g} ms late, and {left_out:.0%} of the readings, which hang on how, are left"
                 f" out. Lags below {LATE[-1] * period:.2g} ms do not show: log at every change of the current"
             )
@@ -156,25 +165,33 @@ def _told_anew(experiment: Experiment, held: Experiment, near: Fit) -> Experimen
     found, _ = followed(moving_on(held), fitted_to_all(near, [experiment], starts_anew=True), lates)
     is_known, was_known = np.isfinite(found.position), np.isfinite(experiment.position)
     is_same = abs(found.late - experiment.late) < SAME_LATE and np.mean(is_known != was_known) < SAME_LEFT_OUT
-    tells_less = found.unseen > max(experiment.unseen, experiment.noise)
+    tells_less = found.sampling_error > max(experiment.sampling_error, experiment.noise)
     return experiment if is_same or tells_less else found
 
 
-def _moved(held: Experiment, base: Fit) -> Experiment | None:
-    """Return an experiment with a current that moves on, without what hangs on how, or None where it is held."""
+def _moved(held: Experiment, base: Fit) -> tuple[Experiment | None, bool]:
+    """Return an experiment with a current that moves on, without what hangs on how, and whether the record shows that.
+
+    None where it shows that the current is held, or nothing and holding it leaves less unknown.
+    """
     moved, fitted = _followed(held, base)
     first = len(held.time) - len(moved.time)
     sure = replace(held, position=np.append(np.full(first, np.nan), moved.position))
     near, far = usual_error(moved, fitted), usual_error(sure, fitted_to_all(base, [sure], starts_anew=True))
-    is_nearer = near < (NEARER_IF_SEEN if jumps_between(moving_on(held)) else NEARER) * far
+    is_shown = near < (NEARER_IF_SEEN if jumps_between(moving_on(held)) else NEARER) * far
     unknown = unknown_if_held(held, base)
-    is_surer = max(moved.unseen, COUNTS * held.noise) < unknown
-    return moved if is_nearer or is_surer else None
+    kept = np.isfinite(moved.position).sum() / np.isfinite(held.position).sum()
+    # What is left out has to be worth it, as fewer readings tell less.
+    is_surer = unknown > COUNTS * held.noise and moved.sampling_error < np.sqrt(kept) * unknown
+    return (moved if is_shown or (is_surer and near < AS_NEAR * far) else None), is_shown
 
 
 def unknown_if_held(experiment: Experiment, base: Fit) -> float:
-    """Return by how much a reading differs where a held current ramps from row to row instead; 0 of quick rows. [m]"""
-    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < ALWAYS:
+    """Return by how much the readings differ, root mean square, where a held current ramps from row to row. [m]
+
+    It is 0 where nothing speaks for that: of quick rows, of a current that rests in most of them, and of a loop.
+    """
+    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOST_ROWS:
         return 0.0
     held = base.simulated_on(experiment).position[0]
     ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
@@ -203,7 +220,7 @@ def followed(whole: Experiment, near: Fit, lates: Sequence[float] = LATE) -> tup
         (each for each in found if each[-1] <= limit), key=lambda each: np.isfinite(each[0].position).sum()
     )
     doubts, _ = doubts_of(kept, near)
-    return replace(kept, unseen=rms_of_most(doubts[np.isfinite(kept.position)])), near
+    return replace(kept, sampling_error=rms_of_most(doubts[np.isfinite(kept.position)])), near
 
 
 def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:
