@@ -40,6 +40,10 @@ SLOW, MOST_ROWS = 0.2, 0.5
 """Sampling interval from which nobody knows that a current was held between the rows [s], if in such a share of them it
 is another than before, as in a closed loop."""
 
+HELD = 0.25
+"""Share, of what a reading would differ by if a held current ramped, that the base may miss for it to be held. Readings
+at the end of a period come half of one early for a current that ramps, for which damping would make up."""
+
 COUNTS = 0.3
 """Error of what a record does not have of its current from which it counts. [noise]"""
 
@@ -66,6 +70,9 @@ SAME_LATE, SAME_LEFT_OUT = 0.04, 0.03
 LATE = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)
 """Shares of a period by which the current may come late: one that is held for shorter periods comes late by half of
 those, and was seen to go on between the rows where they are half as long as ours or less."""
+
+LATE_IF_SLOW = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+"""The same of rows so slow that it may have been held from one to the next."""
 
 AS_NEAR = 1.02
 """Factor in error within which a current may come late by one or the other share, or may be held or move on."""
@@ -128,12 +135,12 @@ def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held
     for moved, before in zip(experiments, held, strict=True):
         if moved.parts > 1:
             left_out = 1.0 - np.isfinite(moved.position).sum() / np.isfinite(before.position).sum()
-            period = 1e3 * moved.period
-            is_slow = moved.period >= SLOW
+            period, latest = 1e3 * moved.period, lates_of(moved)[-1]
+            how = FAR_APART if moved.period >= SLOW else UNSEEN
             said.append(
-                f"{moved.name}: {FAR_APART if is_slow else UNSEEN}; it is taken to have moved through them,"
-                f" {moved.late * period:.2g} ms late, and {left_out:.0%} of the readings, which hang on how, are left"
-                f" out. Lags below {LATE[-1] * period:.2g} ms do not show: log at every change of the current"
+                f"{moved.name}: {how}; it is taken to have moved through them,"
+                f" {moved.late * period:.3g} ms late, and {left_out:.0%} of the readings, which hang on how, are left"
+                f" out. Lags below {latest * period:.3g} ms do not show: log at every change of the current"
             )
     return said
 
@@ -161,7 +168,7 @@ def followed_anew(experiments: Sequence[Experiment], held: Sequence[Experiment],
 def _told_anew(experiment: Experiment, held: Experiment, near: Fit) -> Experiment:
     # Fits of what takes long to run are not made for every lateness.
     takes_long = any(effect_of_key(key).takes_long for key in near.model.effects)
-    lates = (experiment.late,) if takes_long else LATE
+    lates = (experiment.late,) if takes_long else ()
     found, _ = followed(moving_on(held), fitted_to_all(near, [experiment], starts_anew=True), lates)
     is_known, was_known = np.isfinite(found.position), np.isfinite(experiment.position)
     is_same = abs(found.late - experiment.late) < SAME_LATE and np.mean(is_known != was_known) < SAME_LEFT_OUT
@@ -189,14 +196,17 @@ def _moved(held: Experiment, base: Fit) -> tuple[Experiment | None, bool]:
 def unknown_if_held(experiment: Experiment, base: Fit) -> float:
     """Return by how much the readings differ, root mean square, where a held current ramps from row to row. [m]
 
-    It is 0 where nothing speaks for that: of quick rows, of a current that rests in most of them, and of a loop.
+    It is 0 where nothing speaks for that: of quick rows, of a current that rests in most of them, and of a loop; and
+    where the base, its current held, misses so much less than that that it was held.
     """
     if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOST_ROWS:
         return 0.0
     held = base.simulated_on(experiment).position[0]
     ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
     ramped = simulate_model(base.model, ramping, start_position=held[0]).position[0]
-    return float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))
+    unknown = float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))
+    is_held = not experiment.reads_at_end and usual_error(experiment, base) < HELD * unknown
+    return 0.0 if is_held else unknown
 
 
 def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
@@ -205,14 +215,14 @@ def _followed(held: Experiment, base: Fit) -> tuple[Experiment, Fit]:
     return followed(whole, fit_base(base.problem.model, [whole]))
 
 
-def followed(whole: Experiment, near: Fit, lates: Sequence[float] = LATE) -> tuple[Experiment, Fit]:
+def followed(whole: Experiment, near: Fit, lates: Sequence[float] = ()) -> tuple[Experiment, Fit]:
     """Return an experiment whose current comes as late as fits best, without what hangs on how, and the fit to it.
 
     Damping makes up for much of being late, until the valve has so little left that it overshoots, and all readings
     hang on that: of what comes about as near the lateness is taken that leaves out least.
     """
     found = []
-    for late in lates:
+    for late in lates or lates_of(whole):
         kept, near = settled(replace(whole, late=late), near)
         found.append((kept, near, rms_of(near, [kept], measured([kept]))))
     limit = AS_NEAR * min(missed for *_, missed in found)
@@ -221,6 +231,11 @@ def followed(whole: Experiment, near: Fit, lates: Sequence[float] = LATE) -> tup
     )
     doubts, _ = doubts_of(kept, near)
     return replace(kept, sampling_error=rms_of_most(doubts[np.isfinite(kept.position)])), near
+
+
+def lates_of(experiment: Experiment) -> tuple[float, ...]:
+    """Return the shares of a period by which the current of an experiment may come late."""
+    return LATE_IF_SLOW if experiment.period >= SLOW else LATE
 
 
 def settled(whole: Experiment, near: Fit) -> tuple[Experiment, Fit]:

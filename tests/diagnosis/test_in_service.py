@@ -90,7 +90,7 @@ def test_a_logger_slower_than_the_driver_names_what_is_there(effect: str, every:
     slow = Record.from_arrays(name="slow", **{name: values[::every] for name, values in taken.items()})
     valve = read_valve("calibrated")
     found = diagnose([slow], Model(valve.name, valve.values), jobs=2)
-    assert any("between the rows" in each for each in found.warnings)
+    assert any("moved through them" in each for each in found.warnings)
     assert found.cause.effects == keys
     assert found.verdict == ("effect" if effect else "none")
     assert found.cause.errors.rms < 1.25 * found.floor

@@ -13,11 +13,11 @@ from identification.driving import between_rows
 from identification.driving.between_rows import (
     COUNTS,
     FAR_APART,
-    LATE,
     answers_in_row,
     doubts_of,
     followed_anew,
     jumps_between,
+    lates_of,
     moving_between_rows,
     moving_on,
     said_of_motion,
@@ -201,6 +201,17 @@ def test_of_slow_rows_that_is_kept_which_hangs_little_on_the_way_of_the_current(
     assert moving_between_rows([held], base) == [held]
 
 
+def test_a_base_that_misses_far_less_than_a_ramp_would_shift_shows_that_the_current_was_held(given):
+    """A valve without an effect whose current is set five times a second lost all but its largest effects in that."""
+    experiments, base = held_and_base(record_of(measure(draw_plant(SEED, ()), PROFILE, duration=90.0, rate=5.0)), given)
+    assert not experiments[0].reads_at_end
+    assert unknown_if_held(experiments[0], base) == 0.0
+    soft = Model("soft", {**base.model.values, "spring_rate": 0.8 * base.model.values["spring_rate"]})
+    assert unknown_if_held(experiments[0], replace(base, model=soft)) > 10.0 * experiments[0].noise
+    early = replace(experiments[0], reads_at_end=True)
+    assert unknown_if_held(early, base) > 10.0 * experiments[0].noise
+
+
 def test_what_nobody_knows_of_one_record_says_nothing_of_another_at_its_pace(very_slow, given):
     held, _, base = very_slow
     stepped = replace(held, current=np.where(held.time < 60.0, 8e-3, 12e-3))
@@ -226,7 +237,14 @@ def test_a_fit_by_which_more_would_go_unseen_tells_nothing_anew(monkeypatch, ver
     assert followed_anew([moved], [held], base) == [anew if is_taken else moved]
 
 
-@pytest.mark.parametrize(("key", "count"), [("presliding", 1), ("choked_flow", len(LATE))])
+def test_rows_so_slow_that_the_current_may_be_held_may_come_late_by_half_of_one(slow, very_slow):
+    """A held one does, in the mean: taken for one that comes a quarter late it was given a lag beside what is there."""
+    held, *_ = very_slow
+    (quick,), _ = experiments_of([slow])
+    assert (lates_of(held)[-1], lates_of(quick)[-1]) == (0.5, 0.25)
+
+
+@pytest.mark.parametrize(("key", "count"), [("presliding", 1), ("choked_flow", 0)])
 def test_what_takes_long_to_run_is_fitted_for_one_lateness(monkeypatch, very_slow, key, count):
     held, moved, base = very_slow
     near = replace(base, model=base.model.with_effect(key))
