@@ -28,7 +28,7 @@ EDGE = 1e-4
 and the moments of a lag of a microsecond are dear to follow."""
 
 ROUNDING = 1e-12
-"""The same of a logarithmic number, relative: the bound's own logarithm may come back as what lies just beyond it."""
+"""The same of a logarithmic number, relative, beyond a bound: its own logarithm may come back as what lies there."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,9 @@ class Unknown:
         """Return the value at a scaled number, beside a bound the bound itself."""
         if self.is_logarithmic:
             value = self.centre * np.exp(np.asarray(x))
-            edge = ROUNDING * value
-        else:
-            value = self.centre + self.spread * np.asarray(x)
-            edge = np.asarray(EDGE * self.spread)
+            within = np.clip(value, self.low, self.high)
+            return np.where(np.abs(value - within) < ROUNDING * value, within, value)
+        value, edge = self.centre + self.spread * np.asarray(x), EDGE * self.spread
         value = np.where(np.abs(value - self.low) < edge, self.low, value)
         return np.where(np.abs(value - self.high) < edge, self.high, value)
 
