@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from diagnosis.explaining import AT_NOISE, allowed, explains, misfit
 from diagnosis.trying import Candidate, moved_in
-from valvemodel.effects import differ_by_aliases, effect_of_key, jumps_in_closed_form
+from valvemodel.effects import differ_by_aliases, effect_of_key, jumps_in_closed_form, takes_long
 from valvemodel.model import Model
 
 SHARPENED = 2
@@ -148,8 +148,7 @@ def is_dear(key: str) -> bool:
 
 def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPLAINS_MUCH) -> bool:
     """Return whether a cause is tried together with more: where its runs take long, only if it explains so much."""
-    takes_long = any(effect_of_key(key).takes_long for key in candidate.effects)
-    return not takes_long or misfit(candidate) < share * misfit(base)
+    return not takes_long(candidate.effects) or misfit(candidate) < share * misfit(base)
 
 
 def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:

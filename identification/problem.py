@@ -13,7 +13,7 @@ from identification.experiment import HALF_A_STEP, Experiment, Simulated, simula
 from identification.unknowns import Unknown
 from valvemodel import runs
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, takes_long
 from valvemodel.loops import settles_in_closed_form
 from valvemodel.model import Model
 
@@ -145,7 +145,7 @@ class Problem:
     @cached_property
     def is_smooth(self) -> bool:
         """Whether a derivative of the residuals serves on some way: it does not in coarse steps and on bristles."""
-        return not self.reads_in_steps and not any(effect_of_key(key).takes_long for key in self.model.effects)
+        return not self.reads_in_steps and not takes_long(self.model.effects)
 
     def comes_in_steps(self, experiment: Experiment) -> bool:
         """Return whether an experiment's readings come in the model's coarse steps."""

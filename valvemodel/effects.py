@@ -50,6 +50,11 @@ def jumps(keys: Collection[str]) -> bool:
     return any(effect_of_key(key).breakaway for key in keys)
 
 
+def takes_long(keys: Collection[str]) -> bool:
+    """Return whether a run with one of some effects takes long."""
+    return any(effect_of_key(key).takes_long for key in keys)
+
+
 def jumps_in_closed_form(keys: Collection[str]) -> bool:
     """Return whether one of some effects makes the stem stop and jump, and a run takes no longer for any of them."""
     return jumps(keys) and not any(effect_of_key(key).is_chaotic for key in keys)

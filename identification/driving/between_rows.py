@@ -12,7 +12,7 @@ from identification.fit import Fit, fit_base, fitted_to_all, measured, simulate_
 from identification.noise import noise_level
 from identification.timing import END_OF_PERIOD
 from identification.uncertainty import rms_of
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import takes_long
 from valvemodel.periods import jumps, passing_otherwise, straight
 
 PART, MOST_PARTS = 0.02, 8
@@ -45,7 +45,8 @@ HELD = 0.25
 at the end of a period come half of one early for a current that ramps, for which damping would make up."""
 
 COUNTS = 0.3
-"""Error of what a record does not have of its current from which it counts. [noise]"""
+"""What a record does not have of its current, or has in it as noise, does to the stem, root mean square, from which it
+counts. [noise]"""
 
 USUAL = 0.9
 """Share of the errors, the smallest ones, by which two ways of the current are compared."""
@@ -80,14 +81,13 @@ AS_NEAR = 1.02
 LEAST_SURE = 0.4
 """Share of the readings that are kept, those that depend least on it, however many depend more."""
 
-
 UNSEEN = "the current went on between the rows, unseen"
 FAR_APART = "how the current went on between rows so far apart is not recorded"
 """What is said of a current that is taken to have moved on, of quick and of slow rows."""
 
 
 def moving_between_rows(experiments: Sequence[Experiment], base: Fit) -> list[Experiment]:
-    """Return experiments whose current moves on between the rows where that is what they show.
+    """Return experiments whose current moves on between the rows, as far as they tell.
 
     A current is held from row to row where the records do not speak against it. Two things do: the stem answers jumps
     of the current before the row of the jump, now more, now less; or the base comes much nearer with a current that
@@ -117,8 +117,13 @@ def may_have_moved(experiment: Experiment) -> bool:
     """Return whether a current may have moved on between the rows: jumps of it show that, or the rows are slow."""
     if experiment.is_loop:
         return False
-    is_slow = experiment.period >= SLOWER and np.mean(np.diff(experiment.current) != 0.0) >= MOVING
-    return bool(is_slow) or jumps_between(moving_on(experiment))
+    is_slow = experiment.period >= SLOWER and share_moving(experiment) >= MOVING
+    return is_slow or jumps_between(moving_on(experiment))
+
+
+def share_moving(experiment: Experiment) -> float:
+    """Return the share of the rows in which the current is another than before."""
+    return float(np.mean(np.diff(experiment.current) != 0.0))
 
 
 def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held: Sequence[Experiment]) -> list[str]:
@@ -167,8 +172,7 @@ def followed_anew(experiments: Sequence[Experiment], held: Sequence[Experiment],
 
 def _told_anew(experiment: Experiment, held: Experiment, near: Fit) -> Experiment:
     # Fits of what takes long to run are not made for every lateness.
-    takes_long = any(effect_of_key(key).takes_long for key in near.model.effects)
-    lates = (experiment.late,) if takes_long else ()
+    lates = (experiment.late,) if takes_long(near.model.effects) else ()
     found, _ = followed(moving_on(held), fitted_to_all(near, [experiment], starts_anew=True), lates)
     is_known, was_known = np.isfinite(found.position), np.isfinite(experiment.position)
     is_same = abs(found.late - experiment.late) < SAME_LATE and np.mean(is_known != was_known) < SAME_LEFT_OUT
@@ -199,13 +203,13 @@ def unknown_if_held(experiment: Experiment, base: Fit) -> float:
     It is 0 where nothing speaks for that: of quick rows, of a current that rests in most of them, and of a loop; and
     where the base, its current held, misses so much less than that that it was held.
     """
-    if experiment.is_loop or experiment.period < SLOW or np.mean(np.diff(experiment.current) != 0.0) < MOST_ROWS:
+    if experiment.is_loop or experiment.period < SLOW or share_moving(experiment) < MOST_ROWS:
         return 0.0
     held = base.simulated_on(experiment).position[0]
     ramping = replace(experiment, parts=MOST_PARTS).stepping(straight(experiment.current, MOST_PARTS))
     ramped = simulate_model(base.model, ramping, start_position=held[0]).position[0]
     unknown = float(np.sqrt(np.mean((ramped[::MOST_PARTS] - held) ** 2)))
-    is_held = not experiment.reads_at_end and usual_error(experiment, base) < HELD * unknown
+    is_held = not experiment.reads_at_end and rms_of_most(experiment.position - held) < HELD * unknown
     return 0.0 if is_held else unknown
 
 

@@ -9,15 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from identification.adequacy import NOISELESS
-from identification.driving.between_rows import without_doubtful
+from identification.driving.between_rows import COUNTS, without_doubtful
 from identification.driving.smoothing import smoothed
 from identification.experiment import Experiment, Simulated
 from identification.fit import Fit, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level, reading_step
 from identification.uncertainty import rms_of
-
-WORTH = 0.3
-"""What the noise of a current does to the stem by the model, root mean square, from which it matters. [noise]"""
 
 SURE = 1.0
 """Readings that depend by more than this on what is left of the noise of a current are left out. [noise]"""
@@ -130,7 +127,7 @@ def _as_set(experiment: Experiment, base: Fit) -> Experiment:
 
 def _least(experiment: Experiment) -> float:
     """Return from which root mean square on a shift of the stem matters, also where readings have no noise. [m]"""
-    return WORTH * max(experiment.noise, NOISELESS * _travel(experiment))
+    return COUNTS * max(experiment.noise, NOISELESS * _travel(experiment))
 
 
 def _travel(experiment: Experiment) -> float:
