@@ -224,8 +224,7 @@ def beside_reading(
 ) -> list[Candidate]:
     """Try all effects beside one that is read off the record, where that comes nearest and leaves something.
 
-    Few readings lie beyond the steps, and the error has many minima: the nearest are searched about, if what lies
-    beside the reading gains over it.
+    The nearest of those that make the stem jump are searched about, if what lies beside the reading gains over it.
     """
     nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
     work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)

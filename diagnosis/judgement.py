@@ -64,8 +64,8 @@ grew, with that left out, 1.6 to 14."""
 BEHIND, BEHIND_SHARE, BEHIND_A_LAW, MOST_BEHIND = 0.01, 1e-4, 0.1, 4.0
 """Mean squared error, in units of the noise, by which a cause must lie behind another of as many effects that explains
 the gap to lose a factor e in likelihood, or as a share of the base's if that is more, as forms differ by some of that;
-the same where they differ by the law of the slips, as searches for one end nowhere exact, and at most; and the most
-that it loses so. White noise alone would tell tenths of the first."""
+the same where they differ by the law of the slips, as searches for one end nowhere exact, or where readings come in
+coarse steps, few of which tell; and the most that it loses so. White noise alone would tell tenths of the first."""
 
 NEARER, FORM_BESIDE, MOST_LEFT = 0.12, 0.05, 0.35
 """The same for one effect more, beyond what another form may leave: two effects below notice leave as much; the share
@@ -275,7 +275,8 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     unit_of_form = float(np.clip(BEHIND_SHARE * misfit(candidates[0]), BEHIND, BEHIND_A_LAW))
 
     def behind(each: Candidate, other: Candidate, allowed: float, unit: float = BEHIND) -> float:
-        return (left(each, each) - left(other, each) - allowed) / (BEHIND_A_LAW if differ_by_law(each, other) else unit)
+        is_rough = differ_by_law(each, other) or reads_coarsely(each) or reads_coarsely(other)
+        return (left(each, each) - left(other, each) - allowed) / (BEHIND_A_LAW if is_rough else unit)
 
     for number, each in enumerate(candidates):
         losses = [

@@ -133,11 +133,13 @@ def squares_of(experiment: Experiment, simulated: Simulated) -> np.ndarray:
 
     A reading in coarse steps s tells of an error d only where it lies beyond half a step of the model's: by v, of which
     the mean over all places between two steps is d^2/(2 s), noise in the same way. So 2 s v is the squared error that a
-    sample tells of, up to a whole step; beyond that v (s + v), as the mean of v is then |d| - s/2.
+    sample tells of, up to a whole step; beyond that v (s + v), as the mean of v is then |d| - s/2. All stays on a step
+    count alike.
     """
     beyond, step = np.abs(experiment.beyond(simulated)[0]), simulated.step
     told = np.sqrt(beyond * (step + np.maximum(beyond, step)))
-    return experiment.tempered(told / experiment.noise) ** 2
+    squares: np.ndarray = experiment.worth_in_steps(step) * experiment.tempered(told / experiment.noise) ** 2
+    return squares
 
 
 def persistence_of(error: np.ndarray) -> float:

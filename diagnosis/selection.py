@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 
-from diagnosis.explaining import AT_NOISE, allowed, any_explains, explains, leaves_nothing_to_tell, misfit
+from diagnosis.explaining import AT_NOISE, allowed, any_explains, explains, is_fitted, leaves_nothing_to_tell, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
     LEADERS,
@@ -141,7 +141,12 @@ def is_explained(tried: Sequence[Candidate], size: int) -> bool:
 
 
 def is_enough(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether a cause explains the record, and comes to the noise if it may stand in for others."""
+    """Return whether a cause explains the record, and comes to the noise if it may stand in for others.
+
+    Coarse readings tell little of what was kept back: by them alone it must leave but noise of what it was fitted to.
+    """
+    if is_read_off(candidate) and not is_fitted(candidate):
+        return False
     return explains(candidate, base) and (misfit(candidate) < AT_NOISE or not stands_in(candidate))
 
 
@@ -269,10 +274,14 @@ def exchanged_anew(
 
 
 def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:
-    """Return the best causes of two effects, if nothing explains the record, whose fit moved the mass far off."""
-    if any_explains(tried):
+    """Return the best causes of two effects whose fit moved the mass far off, unless one of two is at the noise.
+
+    Where something explains the record only those that come about as near are.
+    """
+    if misfit(best_of(tried, 2)[0]) < AT_NOISE:
         return []
-    return [each for each in two_that_gain(tried)[:BEGUN_AGAIN] if is_far_off(each.fit)]
+    near = rivals_of_best(tried) if any_explains(tried) else two_that_gain(tried)
+    return [each for each in near[:BEGUN_AGAIN] if is_far_off(each.fit)]
 
 
 def worth_trying_anew(tried: Sequence[Candidate]) -> list[Candidate]:

@@ -154,7 +154,6 @@ def is_worth_its_time(candidate: Candidate, base: Candidate, share: float = EXPL
 def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
     """Return those of the first of some causes whose search may have ended beside the least error.
 
-    Of readings in coarse steps few lie beyond them, and these tell: what explains such a record may come to its noise.
     A whole series of waves has too many numbers for it.
     """
     near = [each for each in order[:SHARPENED] if misfit(each) < NEAR_THE_BEST * misfit(order[0])]
@@ -162,10 +161,8 @@ def blunt(order: Sequence[Candidate], base: Candidate) -> list[Candidate]:
         each
         for each in near
         if not (each.has_series or each.is_sharpened)
-        and (
-            (each.fit.problem.is_in_steps and misfit(each) > 1.0)
-            or ((is_blunt(each) or loses_phase(each)) and not explains(each, base))
-        )
+        and (is_blunt(each) or loses_phase(each))
+        and not explains(each, base)
     ]
 
 

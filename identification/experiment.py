@@ -6,7 +6,8 @@ import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
+from itertools import accumulate
 
 import numpy as np
 
@@ -48,6 +49,13 @@ NEAR_STEPS = 0.15
 BESIDE_STEPS = 2.0
 """Distance from a grid, root mean square, up to which readings lie on it: a stem that rests every so often does not.
 [noise]"""
+
+SAME_STEP = 0.25
+"""Share of a step by which the level of readings that come in steps may move on the same one: they lie about a grid."""
+
+LONGEST_STAY = 10
+"""Samples as which the readings of a stay on one coarse step count at most: where the stem rests beside the edge of a
+step, a hair decides on all of them, and a rest of seconds tells no more than one crossing."""
 
 PERIODS_OF_BLOCK = 25
 """A block has at least so many samples."""
@@ -218,6 +226,13 @@ class Experiment:
         places = (self.position[np.isfinite(self.position)] - offset) / step
         return float(np.std(places - np.round(places))) < min(NEAR_STEPS, BESIDE_STEPS * self.noise / step)
 
+    def worth_in_steps(self, step: float) -> np.ndarray:
+        """Return what each reading counts among those that come in steps, shape (n,), 1 in the mean; all alike in none.
+
+        All stays on a step count alike, but for short ones. A flicker between two steps ends no stay.
+        """
+        return _worth_in_steps(self, step) if step > 0.0 else np.ones(len(self.time))
+
     def errors_of(self, simulated: Simulated, within: float = HALF_A_STEP) -> np.ndarray:
         """Return measured less simulated positions, shape (rows, n), as they count: squared and summed. [noise]
 
@@ -302,6 +317,19 @@ def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool
 
 def _noise_of_loop(signal: np.ndarray) -> float:
     return max(noise_level(signal), LEAST_LOOP_NOISE * float(np.ptp(signal)), 1e-9)
+
+
+@lru_cache(maxsize=4)
+def _worth_in_steps(experiment: Experiment, step: float) -> np.ndarray:
+    def follow(level: float, reading: float) -> float:
+        # As a play of one step does; by comparisons that a reading that is no number leaves as it is.
+        return min(max(level, reading - 0.5 * step), reading + 0.5 * step)
+
+    readings = experiment.position
+    levels = np.fromiter(accumulate(readings, follow, initial=experiment.first_reading), float, len(readings) + 1)[1:]
+    stay = np.cumsum(np.abs(np.diff(levels, prepend=levels[0])) > SAME_STEP * step)
+    worth = np.minimum(LONGEST_STAY / np.bincount(stay)[stay], 1.0)
+    return np.asarray(worth / worth.mean())
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -58,7 +58,7 @@ class Problem:
     tolerance : float [m]
         Of the simulator.
     within : float
-        Steps of a coarse reading within which an error does not count: fewer while a search comes nearer.
+        Steps of a coarse reading within which an error does not count: none while a search comes nearer.
     """
 
     model: Model
@@ -215,7 +215,8 @@ class Problem:
     def jacobian(self, point: np.ndarray, known: np.ndarray | None = None) -> np.ndarray:
         """Return the derivative of the residuals at a scaled point by differences, shape (r, unknowns).
 
-        Where the residuals there are known, shape (r,), they are not computed again.
+        Where the residuals there are known, shape (r,), they are not computed again. Of a coarse reading what lies
+        within the step does not move, the rest as if all of it counted.
         """
         steps = np.full(len(point), DIFFERENCE * max(self.tolerance / SEARCH_TOLERANCE, 1.0))
         low, high = self.bounds
@@ -225,10 +226,23 @@ class Problem:
             steps[moves & (point - low < NEAR_BOUND)] = OFF_BOUND
         steps[point + steps > high] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known
-        changes = self.residuals(point + np.diag(steps))
-        changes -= here
+        smooth = self if not self.is_in_steps else self._smooth
+        changes = smooth.residuals(point + np.diag(steps))
+        changes -= here if smooth is self else smooth.residuals(point[None, :])[0]
         changes /= steps[:, None]
+        if smooth is not self:
+            samples = slice(None, -len(point))
+            changes[:, samples] *= here[samples] != 0.0
         return changes.T
+
+    @cached_property
+    def _smooth(self) -> Problem:
+        """The same with an error that counts wherever it lies in a coarse reading's step, so that nothing bends.
+
+        A difference across the bend at half a step is the slope on neither side of it: a search along such slopes ends
+        early, where none of them leads down.
+        """
+        return replace(self, within=0.0)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

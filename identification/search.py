@@ -31,18 +31,11 @@ ROUNDING = 1.0 + 1e-9
 LOOKED = 16
 """Generations after which a global search must have come below an error that was set, or ends."""
 
-NARROWER = (0.25, 0.4)
-"""Steps of a coarse reading within which an error does not count while a search comes near: within half a step the
-error has many flat places."""
-
-END_EVALUATIONS, END_PRECISION, NEAR_PRECISION = 40, 1e-6, 1e-4
-"""Points of a search that is followed to its end, and the precision there and while it only comes near."""
+END_EVALUATIONS, END_PRECISION = 40, 1e-6
+"""Points of a search that is followed to its end, and the precision there."""
 
 MORE_EVALUATIONS, STILL_FALLING = 20, 0.98
 """Points by which such a search goes on that was not at its end, as long as the error falls by that factor."""
-
-EVALUATIONS_IN_STEPS = 60
-"""The same of readings in coarse steps: what is left beyond half a step falls with the cube of what is off."""
 
 LOOK_PRECISION = 1e-3
 """Share of the error below which a step's gain ends a search that only looks about."""
@@ -201,30 +194,13 @@ def descend_roughly(problem: Problem, start: np.ndarray, *, evaluations: int, re
 
 
 def descend_to_end(problem: Problem, start: np.ndarray) -> Found:
-    """Follow the residuals down from a start to the end.
-
-    Where the readings come in coarse steps, those within half a step of the model's tell nothing: a search that first
-    lets more of them count comes nearer. It ends no worse than it began.
-
-    Parameters
-    ----------
-    problem : Problem
-    start : array, shape (unknowns,)
-    """
-    if not problem.is_in_steps:
-        renewed = RENEWED if problem.is_smooth else 1
-        follow = partial(descend, problem, precision=END_PRECISION, renewed=renewed)
-        found, before = follow(start, evaluations=END_EVALUATIONS), math.inf
-        while found.may_go_on and found.error < STILL_FALLING * before:
-            before = found.error
-            found = follow(found.point, evaluations=MORE_EVALUATIONS)
-        return found
-    point, follow_in_steps = start, partial(descend, evaluations=EVALUATIONS_IN_STEPS)
-    for within in NARROWER:
-        point = follow_in_steps(replace(problem, within=within), point, precision=NEAR_PRECISION).point
-    near = follow_in_steps(problem, point, precision=END_PRECISION)
-    is_worse = near.error > float(errors(problem, start[None, :])[0])
-    return follow_in_steps(problem, start, precision=END_PRECISION) if is_worse else near
+    """Follow the residuals down from a start to the end, and on from there as long as that comes nearer."""
+    follow = partial(descend, problem, precision=END_PRECISION, renewed=RENEWED if problem.is_smooth else 1)
+    found, before = follow(start, evaluations=END_EVALUATIONS), math.inf
+    while found.may_go_on and found.error < STILL_FALLING * before:
+        before = found.error
+        found = follow(found.point, evaluations=MORE_EVALUATIONS)
+    return found
 
 
 def errors(problem: Problem, points: np.ndarray, most: np.ndarray | float = np.inf) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 
 import numpy as np
 
@@ -14,8 +13,8 @@ just before and after are less than that share of this one."""
 STRAIGHT = 0.2
 """A signal turns sharply where on either side it bends by less than this share of its turn."""
 
-FEWEST = 3
-"""Samples from which a curve is laid through them."""
+FEWEST, BEYOND = 3, 2
+"""Samples from which a curve is laid through them, and how many beyond either end bend it there."""
 
 
 def finer(time: np.ndarray, parts: int) -> np.ndarray:
@@ -57,14 +56,35 @@ def passing(signal: np.ndarray, parts: int, late: float = 0.0) -> np.ndarray:
     """
     from scipy.interpolate import Akima1DInterpolator
 
-    places, found = _places(len(signal), parts, late), straight(signal, parts, late)
-    edges = [0, *(np.flatnonzero(jumps(signal)) + 1), len(signal)]
-    for first, end in pairwise(edges):
-        if end - first >= FEWEST:
-            part = slice(*np.searchsorted(places, [first, end - 1]))
-            curve = Akima1DInterpolator(np.arange(first, end), signal[first:end], method="makima")
-            found[part] = curve(places[part])
+    places, is_jump = _places(len(signal), parts, late), jumps(signal)
+    firsts = np.append(0, np.flatnonzero(is_jump) + 1)
+    lengths = np.diff(firsts, append=len(signal))
+    # One curve for all stretches: laying one takes longer than a run that goes along it.
+    among = _with_beyond(signal, firsts, firsts + lengths - 1)
+    curve = Akima1DInterpolator(np.arange(len(among)), among, method="makima")
+    stretch = np.searchsorted(firsts, places, side="right") - 1
+    before = np.minimum(places.astype(int), len(signal) - 2)
+    is_curved = ~is_jump[before] & (lengths[stretch] >= FEWEST)
+    found = straight(signal, parts, late)
+    found[is_curved] = curve((places + BEYOND * (1 + 2 * stretch))[is_curved])
     return found
+
+
+def _with_beyond(signal: np.ndarray, firsts: np.ndarray, lasts: np.ndarray) -> np.ndarray:
+    """Return a signal with samples more at either end of each of its stretches, so that its curve ends as if alone.
+
+    There its slope changes as it does from the last but one period to the last, which is Akima's rule for an end.
+    """
+
+    def beyond(ends: np.ndarray, inwards: int) -> np.ndarray:
+        end, near, far = (signal[np.clip(ends + inwards * step, 0, len(signal) - 1)] for step in range(3))
+        slope, change = end - near, end - 2.0 * near + far
+        return np.stack([end + slope + change, end + 2.0 * slope + 3.0 * change], axis=1)
+
+    places = np.repeat(np.concatenate([lasts + 1, firsts]), BEYOND)
+    samples = np.concatenate([beyond(lasts, -1), beyond(firsts, 1)[:, ::-1]])
+    among: np.ndarray = np.insert(signal, places, samples.ravel())
+    return among
 
 
 def passing_otherwise(signal: np.ndarray, parts: int, late: float = 0.0) -> Iterator[np.ndarray]:

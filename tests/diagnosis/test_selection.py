@@ -359,17 +359,27 @@ def test_beside_a_coarse_reading_all_is_tried_where_it_leaves_something(monkeypa
     monkeypatch.setattr(singles, "sharpen_all", lambda causes, *_: [replace(each, trace=9.0) for each in causes])
     monkeypatch.setattr(singles, "with_better", lambda tried, others: [*others] or [*tried])
     monkeypatch.setattr(proposals, "promises", lambda *_: {})
-    tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "coil_lag")]
+    tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "static_friction")]
     found = singles.beside_reading(tried, None, None, lambda what, share: None)
     assert [each.trace for each in found] == [9.0] * count  # searched about
     assert singles.beside_reading(tried[::2], None, None, lambda what, share: None) == []
 
 
-@pytest.mark.parametrize(("left", "is_blunt"), [(1.2, True), (0.9, False)])
-def test_readings_in_coarse_steps_are_searched_about_down_to_the_noise(left, is_blunt):
-    """Few readings lie beyond the steps: what explains such a record may come nearer."""
-    pair = candidate(left, "coil_lag", "quantisation")
+@pytest.mark.parametrize(("key", "is_blunt"), [("static_friction", True), ("coil_lag", False)])
+def test_readings_in_coarse_steps_are_searched_about_where_the_stem_jumps_beside_them(key, is_blunt):
+    pair = candidate(9.0, key, "quantisation")
     assert blunt([pair], candidate(200.0)) == [pair] * is_blunt
+
+
+@pytest.mark.parametrize(("error", "is_enough"), [(90.0, True), (700.0, False)])
+def test_coarse_readings_are_all_only_if_they_leave_noise_of_what_was_fitted(error, is_enough):
+    """A slow transmitter behind them had left little of what was kept back."""
+    reading = candidate(1.2, "quantisation")
+    reading.fit.found.error = error
+    assert selection.is_enough(reading, candidate(90.0)) is is_enough
+    spring = candidate(1.2, "spring_hardening")
+    spring.fit.found.error = error
+    assert selection.is_enough(spring, candidate(90.0))
 
 
 @pytest.mark.parametrize(("left", "expected"), [(1.2, ["air_leak", "linkage_backlash"]), (1.01, []), (9.0, [])])
