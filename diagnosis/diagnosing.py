@@ -30,7 +30,7 @@ from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
 from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
 from identification.cores import begun, workers
-from identification.driving.between_rows import said_of_motion
+from identification.driving.between_rows import said_of_motion, share_left_out
 from identification.driving.measured_current import said_of_current
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, simulate_model
@@ -137,6 +137,7 @@ class Diagnosis(Told):
     refitted: Errors
     floor: float
     sampling_error: float
+    left_out: float
     yardstick: str
     holdout: Holdout
     given: Model
@@ -203,6 +204,7 @@ class Diagnosis(Told):
                 "with_cause": self.cause.errors.rms,
                 "noise_floor": self.floor,
                 "sampling_error": self.sampling_error,
+                "left_out": self.left_out,
                 "scored_on": self.holdout.scored_on,
                 "yardstick": YARDSTICKS[self.yardstick],
             },
@@ -329,6 +331,7 @@ def diagnose_with(
         refitted=getattr(first.score, yardstick),
         floor=floor,
         sampling_error=searched.sampling_error,
+        left_out=max(map(share_left_out, experiments, held)),
         yardstick=yardstick,
         holdout=holdout,
         given=model,

@@ -89,7 +89,7 @@ class NextExperiment:
 
     def write(self, path: Path) -> None:
         """Write the profile as CSV that `valvemodel simulate --input` takes."""
-        write_table(path, {"time [s]": self.time, "current [mA]": np.round(1e3 * self.current, 5)})
+        write_table(path, {"time [s]": np.round(self.time, 9), "current [mA]": np.round(1e3 * self.current, 5)})
 
 
 def next_experiment(

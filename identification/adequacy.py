@@ -23,6 +23,9 @@ DROWNED, FAINT = 2.0, 20.0
 FEWEST_SAMPLES, FEWEST_PAIRS = 40, 10
 """Five samples for each number of a base fit; of a loop, three for each number that shows in it."""
 
+MOST_PAIRS = 2000
+"""Settled pairs of a loop at most: each takes as long to run as seconds of a record."""
+
 TURN = 0.05
 """Share of the travel by which the stem has to come back to have turned."""
 
@@ -85,6 +88,13 @@ def check(experiment: Experiment) -> None:
             f"a fit takes at least {fewest} {rows} with a position",
             f"{name} has {len(readings)}",
             f"record for longer: {NEXT}",
+        )
+    if experiment.is_loop and len(readings) > MOST_PAIRS:
+        raise InputError(
+            f"a record without a time is a loop of at most {MOST_PAIRS} settled pairs",
+            f"{name} has {len(readings)}",
+            "give the time in a column such as 'time [s]', if the rows were recorded over time; of a loop keep a pair"
+            " for each current",
         )
     if np.ptp(experiment.current) == 0.0:
         raise InputError("the current changes over a record", f"{name}: it is constant", NEXT)

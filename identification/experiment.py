@@ -277,6 +277,11 @@ class Experiment:
         return float(np.median(self.position[np.isfinite(self.position)][:5]))
 
 
+def block_time_at(period: float) -> float:
+    """Return the length of a block in time of a record that is sampled so often. [s]"""
+    return max(BLOCK_TIME, PERIODS_OF_BLOCK * period)
+
+
 def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool = False) -> Experiment:
     """Make an experiment from a time record or a settled loop.
 
@@ -298,7 +303,7 @@ def experiment_of(record: Record, *, reads_at_end: bool = False, is_ramped: bool
         start = float(record.time[0])
         time = np.ascontiguousarray(record.time - start, float)
         period = float(np.median(np.diff(time)))
-        block_time = max(BLOCK_TIME, PERIODS_OF_BLOCK * period)
+        block_time = block_time_at(period)
         noise = noise_level(position)
         pressure_noise = 0.0 if pressure is None else noise_level(pressure)
     if reads_at_end or record.time is None:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from identification.experiment import Experiment
+from identification.experiment import Experiment, block_time_at
 from identification.rests import put_on_rests
 from valvemodel.errors import InputError
 
@@ -85,7 +85,7 @@ def hold_out(experiments: Sequence[Experiment], kept: int = EVERY - 1) -> Holdou
     if not (measured[0] & is_kept).any() or not (measured[0] & ~is_kept).any():
         raise InputError(
             "a record must be long enough to keep a part of it back",
-            f"{experiments[0].name} has {measured[0].sum()} samples",
-            "record longer, or give a second record",
+            f"{experiments[0].name} has {measured[0].sum()} samples over {np.ptp(experiments[0].time):.3g} s",
+            f"record for {EVERY * block_time_at(experiments[0].period):.3g} s or longer, or give a second record",
         )
     return Holdout(whole, (measured[0] & ~is_kept,), whole, (measured[0] & is_kept,), "held-out blocks", kept)

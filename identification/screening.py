@@ -186,7 +186,8 @@ def changes_by(
 
 
 def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:
-    """Return the problem with an effect's unknowns added, and its scaled point at a start of theirs."""
+    """Return the problem with an effect's unknowns added, and its scaled point at a start of theirs, within bounds."""
+    start = effect.within_bounds(start)
     added = effect_unknowns(effect.key, start, of_loops=are_loops(problem.experiments))
     extended = replace(
         problem,

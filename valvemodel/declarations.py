@@ -167,6 +167,14 @@ class Effect:
         held = self.held_at(values)
         return tuple((each.name, values[each.name]) for each in self.parameters if each.name in held)
 
+    def within_bounds(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return values with those set to a bound that lie beyond it; neutral ones may lie anywhere."""
+        own = {name: self.parameter(name) for name in values}
+        return {
+            name: value if value == own[name].neutral else min(max(value, own[name].low), own[name].high)
+            for name, value in values.items()
+        }
+
     def without_difference(self, values: Mapping[str, float]) -> dict[str, float] | None:
         """Return values at which those that differ are alike and what else is fitted is neutral, None if none do."""
         if not self.differing:

@@ -40,6 +40,7 @@ def curves_picture(name: str, curves: Sequence[Mapping[str, Any]], *, is_wide: b
     ends = np.concatenate([_band(curve) for curve in curves], axis=None)
     shown, factor = shown_unit(curves[0]["unit"], ends.tolist())
     low, high = factor * float(ends.min()), factor * float(ends.max())
+    beyond = 0.05 * (high - low) or 1.0
 
     def draw(figure: Figure) -> None:
         wide = (width - _LEFT - _RIGHT - (columns - 1) * _BETWEEN) / columns
@@ -49,7 +50,7 @@ def curves_picture(name: str, curves: Sequence[Mapping[str, Any]], *, is_wide: b
             left = _LEFT + column * (wide + _BETWEEN)
             axes = figure.add_axes((left / width, bottom / height, wide / width, _TALL / height))
             _draw_curve(axes, curve, factor)
-            axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+            axes.set_ylim(low - beyond, high + beyond)
             if column:
                 axes.tick_params(labelleft=False)
             else:

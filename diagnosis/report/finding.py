@@ -13,6 +13,8 @@ SURE, LIKELY = 0.9, 0.6
 """Probabilities from which a cause is named without reserve, and as the most likely one."""
 MOST_OF_THE_NOISE = 0.7
 """Share of the noise, root mean square, above which something is most of it."""
+MUCH_LEFT_OUT = 0.2
+"""Share of the readings that are left out above which nothing is said to be missing only of what the others show."""
 WORTH_SAYING = 0.05
 """Probability from which another cause is mentioned on the first screen."""
 
@@ -39,11 +41,20 @@ def family_probability(diagnosis: Mapping[str, Any]) -> float | None:
 
 
 def is_too_vague(diagnosis: Mapping[str, Any]) -> bool:
-    """Return whether nothing is missing as far as a record shows that has its noise mostly from an unknown current."""
+    """Return whether nothing is missing as far as a record shows whose current is not known well enough to show more.
+
+    It has its noise mostly from that, or much of what was read hangs on how the current moved between its rows.
+    """
     gap = diagnosis.get("gap") or {}
     missed, floor = gap.get("sampling_error"), gap.get("noise_floor")
     is_most = is_number(missed) and is_number(floor) and missed > MOST_OF_THE_NOISE * floor
-    return diagnosis["verdict"] == "none" and is_most
+    return diagnosis["verdict"] == "none" and (is_most or lacks_readings(diagnosis))
+
+
+def lacks_readings(diagnosis: Mapping[str, Any]) -> bool:
+    """Return whether much of what was read was left out, as it hangs on how the current moved between the rows."""
+    left_out = (diagnosis.get("gap") or {}).get("left_out")
+    return is_number(left_out) and left_out > MUCH_LEFT_OUT
 
 
 def is_undecided(diagnosis: Mapping[str, Any]) -> bool:

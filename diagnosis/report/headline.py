@@ -6,7 +6,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from diagnosis.report.amounts import amount, is_number, probability_text
-from diagnosis.report.finding import LIKELY, SURE, family_probability, found_cause, is_too_vague, is_undecided
+from diagnosis.report.finding import (
+    LIKELY,
+    SURE,
+    family_probability,
+    found_cause,
+    is_too_vague,
+    is_undecided,
+    lacks_readings,
+)
 from diagnosis.report.naming import DECLARED, capitalised, cause_title, likelihood, listed
 
 _EXPLAINED = 3
@@ -65,6 +73,12 @@ def tag_of(diagnosis: Mapping[str, Any]) -> str:
 def explanation_of(diagnosis: Mapping[str, Any]) -> str:
     """Say what the effects that the headline names are."""
     if diagnosis["verdict"] == "none":
+        if lacks_readings(diagnosis):
+            return (
+                f"{100.0 * diagnosis['gap']['left_out']:.0f} % of the readings are left out, as they hang on how the "
+                "current went on between the rows: any effect that shows itself only there, right after the current "
+                "moves, goes unseen."
+            )
         if is_too_vague(diagnosis):
             return (
                 "What the record does not say of the current moves the stem by about "

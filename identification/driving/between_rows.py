@@ -121,6 +121,11 @@ def may_have_moved(experiment: Experiment) -> bool:
     return is_slow or jumps_between(moving_on(experiment))
 
 
+def share_left_out(moved: Experiment, held: Experiment) -> float:
+    """Return the share of the readings that were left out as they hang on how a current moved on between the rows."""
+    return float(1.0 - np.isfinite(moved.position).sum() / np.isfinite(held.position).sum()) if moved.parts > 1 else 0.0
+
+
 def share_moving(experiment: Experiment) -> float:
     """Return the share of the rows in which the current is another than before."""
     return float(np.mean(np.diff(experiment.current) != 0.0))
@@ -139,7 +144,7 @@ def said_of_motion(notes: Sequence[str], experiments: Sequence[Experiment], held
     said = [note for note in notes if note != END_OF_PERIOD or any(each.reads_at_end for each in experiments)]
     for moved, before in zip(experiments, held, strict=True):
         if moved.parts > 1:
-            left_out = 1.0 - np.isfinite(moved.position).sum() / np.isfinite(before.position).sum()
+            left_out = share_left_out(moved, before)
             period, latest = 1e3 * moved.period, lates_of(moved)[-1]
             how = FAR_APART if moved.period >= SLOW else UNSEEN
             said.append(

@@ -67,8 +67,9 @@ def with_lost_rows(record: Record) -> tuple[Record, list[str]]:
         return record, []
     intervals = np.diff(record.time)
     missing = np.round(intervals / np.median(intervals)).astype(int) - 1
-    is_lost = (missing > 0) & (missing < LOST_PERIODS) & (np.diff(record.current) != 0.0)
-    if not 0.0 < is_lost.mean() <= RARE:
+    is_late = (missing > 0) & (missing < LOST_PERIODS) & (np.diff(record.current) != 0.0)
+    is_lost = is_late & (intervals > SEVERAL * np.median(intervals))
+    if is_late.mean() > RARE or not is_lost.any():
         return record, []
     counts = np.where(is_lost, missing, 0) + 1
     places = np.concatenate([number + np.arange(count) / count for number, count in enumerate(counts)])

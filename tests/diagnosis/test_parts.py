@@ -18,7 +18,8 @@ def with_gap(experiment, sizes):
 
 @pytest.mark.parametrize(
     ("sizes", "kept"),
-    [((0.0, 0.0, 30.0), (0, 1)), ((3.0, 0.0, 30.0), (0,)), ((15.0, 9.0, 30.0), (2,)), ((0.0, 30.0, 0.0), (2,))],
+    [((0.0, 0.0, 30.0), (0, 1)), ((3.0, 0.0, 30.0), (0,)), ((15.0, 9.0, 30.0), (2,)), ((0.0, 30.0, 0.0), (2,))]
+    + [((0.0, 0.0, 3.5), (0, 1)), ((0.0, 0.0, 2.0), (2,)), ((3.0, 3.0, 9.0), (2,))],
 )
 def test_blocks_that_hold_nearly_all_of_the_gap_are_fitted(given, quiet, sizes, kept):
     holdout = hold_out([with_gap(quiet, sizes)])

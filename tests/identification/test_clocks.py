@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from identification.mending import clocks
 from identification.mending.clocks import check_clocks, rows_after_steps
 from identification.timing import experiments_of
 from valvemodel.errors import InputError
@@ -42,6 +43,15 @@ def test_shifted_by_what_is_said_it_is_taken():
             position=record.position[:-shifted],
         )
     )
+
+
+def test_what_leaves_before_its_steps_at_any_time_shows_no_other_clock(monkeypatch):
+    """A random walk, or readings full of spikes, had been refused with a shift that the median happened to be."""
+    monkeypatch.setattr(clocks, "rows_after_steps", lambda record, reach: np.array([-24, -17, -9, -2, 3]))
+    check_clocks(early(3))
+    monkeypatch.setattr(clocks, "rows_after_steps", lambda record, reach: np.array([-9, -10, -9, 3]))
+    with pytest.raises(InputError, match="two clocks"):
+        check_clocks(early(3))
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from identification.display import determined_lines, parameter_table
 from identification.extension import adds_series, extend
 from identification.load_series import series_over, sizes_of
 from identification.outcome import fit_records
-from identification.screening import screened
+from identification.screening import joined, screened
 from identification.uncertainty import blocks_of
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
@@ -33,6 +33,15 @@ def test_a_wandering_load_is_explained_to_the_noise(seed, tmp_path):
     assert found.found.error < 1.1 * noise
     assert found.model.effects["load_force"]["load_waves"] == MOST_WAVES
     assert freedom_of(found) == 3 + SERIES
+
+
+def test_waves_that_a_glance_asks_for_beyond_their_bounds_begin_at_these(tmp_path):
+    """Where half of a record is stuck they were asked to be many times as large, and the diagnosis broke off."""
+    _, base, _ = fits_to_plant(9226, "load_force", tmp_path)
+    problem, point = joined(base.problem, base.found.point, LOAD, {**LOAD.typical, "load_cosine": -15e3})
+    low = LOAD.parameter("load_cosine").low
+    assert problem.model.effects["load_force"]["load_cosine"] == low > -15e3
+    assert problem.values(point)["load_cosine"] == pytest.approx(low)
 
 
 def test_the_load_that_is_found_is_the_one_that_acted(tmp_path):

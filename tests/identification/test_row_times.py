@@ -63,6 +63,13 @@ def test_lost_rows_are_put_back_where_the_current_moved():
     assert gaps == []
 
 
+def test_times_that_jitter_by_less_than_a_row_lack_none():
+    signals = measure(PLANT, 8, duration=60.0)
+    off = np.random.default_rng(3).uniform(-0.4, 0.4, len(signals["time"])) * 0.02
+    record = record_of(signals, time=signals["time"] + off)
+    assert with_lost_rows(record) == (record, [])
+
+
 def test_a_logger_that_writes_changes_only_has_lost_nothing():
     signals = measure(PLANT, 8, duration=60.0)
     kept = np.random.default_rng(2).uniform(size=len(signals["time"])) > 0.5

@@ -123,6 +123,18 @@ def test_none_without_alternatives_says_so() -> None:
     assert "No listed effect could hide" in make_answer(diagnosis).alternatives_sentence
 
 
+def test_none_is_said_of_the_readings_that_are_left_alone() -> None:
+    """What shows itself only right after the current moves is not in the others."""
+    diagnosis = none()[0]
+    diagnosis["gap"] |= {"sampling_error": 0.0, "left_out": 0.5}
+    answer = make_answer(diagnosis)
+    assert answer.headline.startswith("The record says too little of the current")
+    assert "50 % of the readings are left out" in answer.explanation
+    assert answer.next_step.startswith("Log the current")
+    diagnosis["gap"]["left_out"] = 0.1
+    assert make_answer(diagnosis).headline.startswith("The model lacks nothing")
+
+
 @pytest.mark.parametrize(
     ("probability", "sampling_error", "headline", "next_step"),
     [
