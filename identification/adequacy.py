@@ -26,6 +26,9 @@ FEWEST_SAMPLES, FEWEST_PAIRS = 40, 10
 MOST_PAIRS = 2000
 """Settled pairs of a loop at most: each takes as long to run as seconds of a record."""
 
+AGAINST = -0.8
+"""Correlation of position and current below which the stem falls where the model's rises, whatever else it does."""
+
 TURN = 0.05
 """Share of the travel by which the stem has to come back to have turned."""
 
@@ -105,6 +108,14 @@ def check(experiment: Experiment) -> None:
         raise InputError("the stem moves in a record", f"{found}, while the current changes", _beyond_dead_band())
     if travel < DROWNED * experiment.noise:
         raise InputError("the stem moves by more than the noise of its readings", found, _quieter())
+    is_read = np.isfinite(experiment.position)
+    together = float(np.corrcoef(experiment.current[is_read], readings)[0, 1])
+    if together < AGAINST:
+        raise InputError(
+            "the stem rises with the current",
+            f"{name}: its position falls where the current rises (their correlation is {together:.2f})",
+            "of a reverse-acting valve, count the position from the other end: the rated travel less the reading",
+        )
 
 
 def without_clipped(experiment: Experiment) -> tuple[Experiment, list[str]]:

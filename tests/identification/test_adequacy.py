@@ -49,6 +49,11 @@ HOPELESS = {
     "noise larger than travel": (measured(WAVES, 0.05), "more than the noise", "position transmitter"),
     "constant current": (measured(np.full(len(TIME), 0.012)), "current changes", "up and down"),
     "few rows": (measured(TRIANGLES, rows=30), "at least 40 samples", "record for longer"),
+    "reverse-acting": (
+        Record.from_arrays("record", time=TIME, current=TRIANGLES, position=0.1 - measured(TRIANGLES).position),
+        "rises with the current",
+        "rated travel less",
+    ),
     "a record without its time": (
         Record.from_arrays("record", current=TRIANGLES, position=measured(TRIANGLES).position),
         "at most 2000 settled pairs",
