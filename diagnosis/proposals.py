@@ -81,6 +81,9 @@ blind plant of our own took 15 s and gained nothing."""
 NEAR_MISS, NEAR_MISSES = 5.0, 4
 """Factor within which two effects lie behind the best two to be tried in another order, and the most that are."""
 
+APART = 0.2
+"""Share of a number of an effect by which it is another one in two fits."""
+
 BEHIND, BEHIND_NEAR, SLIGHTLY = 1.5, 2.0, 1.02
 """Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
 tried once more: as fitted alone with the other effect on top, in all and beyond the noise, and on top of that."""
@@ -322,6 +325,36 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
     ]
     work = [each for each in work if not (is_slow(each) and is_dear(each.effects[1]))]
     return worthwhile(unless_slow_in_vain(work, best, tried)[:NEAR_MISSES], tried)
+
+
+def from_numbers_of_the_best(tried: Sequence[Candidate]) -> list[Work]:
+    """Return what has one effect in common with the best two, and lies not far behind, to begin with its numbers there.
+
+    Where the best two explain the record but leave some, another pair may be right: what they share may have ended in a
+    side minimum beside the other, far from the numbers that it has beside a stand-in. The other that explains
+    most alone comes first.
+    """
+    best, *others = best_of(tried, 2)
+    if misfit(best) < AT_NOISE or not explains(best, tried[0]):
+        return []
+    alone = alone_of(tried)
+    work: list[Work] = []
+    for each in others:
+        shared = set(each.effects) & set(best.effects)
+        if len(shared) != 1 or each.has_series or misfit(each) > NEAR_MISS * misfit(best):
+            continue
+        (key,), (other,) = shared, set(each.effects) - shared
+        numbers, own = (dict(cause.fit.model.effects[key]) for cause in (best, each))
+        if are_apart(numbers, own) and is_quick(key) and other in alone and not is_laid_on_top(alone[other]):
+            work.append(Work(alone[other].fit, (other, key), False, numbers, is_known=True))
+    work.sort(key=lambda each: misfit(alone[each.effects[0]]))
+    return worthwhile([each for each in work if not is_slow(each)][:NEAR_MISSES], tried)
+
+
+def are_apart(numbers: Mapping[str, float], others: Mapping[str, float]) -> bool:
+    """Return whether the numbers of an effect in two fits are others, and not the same but for the ends of searches."""
+    pairs = [(one, others[name]) for name, one in numbers.items()]
+    return any(one != other and not abs(one - other) < APART * max(abs(one), abs(other)) for one, other in pairs)
 
 
 def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[Candidate]) -> list[Work]:

@@ -17,6 +17,7 @@ from diagnosis.proposals import (
     called_on_slow,
     exchanged,
     extensions,
+    from_numbers_of_the_best,
     from_the_best,
     gains_by_both,
     in_other_forms,
@@ -254,7 +255,8 @@ def with_kindred(
     if all((each.effects, misfit(each)) != (best.effects, misfit(best)) for each in formed):
         known = in_right_form(known, holdout, pool, progress)
     known = exchanged_anew(known, led, holdout, pool, progress)
-    known = with_better(known, try_all(nearly_together(known), holdout, pool, progress, "2 effects together"))
+    for proposed in (nearly_together, from_numbers_of_the_best):
+        known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))
     for choice_of in (rivals_of_best, aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
     return with_better(known, sharpen_all(short_of_noise(known), holdout, pool, progress))

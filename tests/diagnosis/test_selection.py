@@ -120,6 +120,20 @@ def test_two_effects_that_leave_much_and_little_less_than_one_are_not_tried_in_o
     assert ("reversed" in asked) != is_out
 
 
+@pytest.mark.parametrize(("left", "is_called"), [(1.1, True), (1.01, False), (9.0, False)])
+def test_what_a_pair_shares_with_the_best_begins_with_its_numbers_there(left, is_called):
+    """A slow transmitter beside an end stop had stayed at a tenth of the lag that it has beside a saturated core."""
+    tried = [candidate(90.0), candidate(2.0, "end_stop"), candidate(80.0, "coil_lag"), candidate(70.0, "sensor_lag")]
+    best = candidate(left, "sensor_lag", "magnetic_saturation")
+    best.fit.model.effects["sensor_lag"] = {"size": 44.0}
+    astray, same = (candidate(1.7 * left, key, "sensor_lag") for key in ("end_stop", "coil_lag"))
+    same.fit.model.effects["sensor_lag"] = {"size": 43.0}
+    apart = candidate(1.6 * left, "end_stop", "coil_lag")
+    (*work,) = proposals.from_numbers_of_the_best([*tried, best, astray, same, apart])
+    assert [(each.effects, each.known) for each in work] == [(("end_stop", "sensor_lag"), {"size": 44.0})] * is_called
+    assert all(each.fit is tried[1].fit and each.is_known for each in work)
+
+
 def test_both_effects_of_the_best_pairs_are_searched_for_again_where_nothing_explains():
     tried = [candidate(90.0), candidate(30.0, "coil_lag")]
     pairs = [candidate(5.0, "coil_lag", "static_friction"), candidate(5.5, "coil_lag", "end_stop")]
