@@ -82,7 +82,7 @@ NEAR_MISS, NEAR_MISSES = 5.0, 4
 """Factor within which two effects lie behind the best two to be tried in another order, and the most that are."""
 
 APART = 0.2
-"""Share of a number of an effect by which it is another one in two fits."""
+"""Share of a number of an effect from which it is another one in two fits, and not the same but for a search's end."""
 
 BEHIND, BEHIND_NEAR, SLIGHTLY = 1.5, 2.0, 1.02
 """Factors by which an alias of one of the best two effects lies behind it where its fit may have gone astray, and is
@@ -310,12 +310,11 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
     together with the other effect, or lack but another form: it may come nearer than what is at the noise already, as
     that is estimated. What is dear to run takes longest on top of what makes fits long: it leads there.
     """
-    best, *others = best_of(tried, 2)
+    best = best_of(tried, 2)[0]
     if not explains(best, tried[0]):
         return []
     alone, values = alone_of(tried), values_alone(tried)
-    near = [each for each in others if SLIGHTLY < misfit(each) / misfit(best) < NEAR_MISS and not each.has_series]
-    near = [each for each in near if not set(each.effects).isdisjoint(best.effects)]
+    near = [each for each in with_one_of_the_best(tried) if misfit(each) > SLIGHTLY * misfit(best)]
     known = orders_of(tried)
     orders = [order for each in near for order in (each.effects[::-1], each.effects) if order not in known]
     work = [
@@ -334,27 +333,29 @@ def from_numbers_of_the_best(tried: Sequence[Candidate]) -> list[Work]:
     side minimum beside the other, far from the numbers that it has beside a stand-in. The other that explains
     most alone comes first.
     """
-    best, *others = best_of(tried, 2)
+    best = best_of(tried, 2)[0]
     if misfit(best) < AT_NOISE or not explains(best, tried[0]):
         return []
     alone = alone_of(tried)
     work: list[Work] = []
-    for each in others:
+    for each in with_one_of_the_best(tried):
         shared = set(each.effects) & set(best.effects)
-        if len(shared) != 1 or each.has_series or misfit(each) > NEAR_MISS * misfit(best):
+        if len(shared) != 1:
             continue
         (key,), (other,) = shared, set(each.effects) - shared
         numbers, own = (dict(cause.fit.model.effects[key]) for cause in (best, each))
-        if are_apart(numbers, own) and is_quick(key) and other in alone and not is_laid_on_top(alone[other]):
+        are_alike = all(math.isclose(value, own[name], rel_tol=APART) for name, value in numbers.items())
+        if not are_alike and is_quick(key) and other in alone and not is_laid_on_top(alone[other]):
             work.append(Work(alone[other].fit, (other, key), False, numbers, is_known=True))
     work.sort(key=lambda each: misfit(alone[each.effects[0]]))
     return worthwhile([each for each in work if not is_slow(each)][:NEAR_MISSES], tried)
 
 
-def are_apart(numbers: Mapping[str, float], others: Mapping[str, float]) -> bool:
-    """Return whether the numbers of an effect in two fits are others, and not the same but for the ends of searches."""
-    pairs = [(one, others[name]) for name, one in numbers.items()]
-    return any(one != other and not abs(one - other) < APART * max(abs(one), abs(other)) for one, other in pairs)
+def with_one_of_the_best(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return the causes of two effects that lie not far behind the best two and have one of these, the best first."""
+    best, *others = best_of(tried, 2)
+    near = [each for each in others if misfit(each) < NEAR_MISS * misfit(best) and not each.has_series]
+    return [each for each in near if not set(each.effects).isdisjoint(best.effects)]
 
 
 def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[Candidate]) -> list[Work]:

@@ -84,7 +84,8 @@ def undetermined_by(experiments: Sequence[Experiment]) -> dict[str, str]:
 
 def check(experiment: Experiment) -> None:
     """Raise if nothing can be fitted to an experiment."""
-    name, readings = experiment.name, experiment.position[np.isfinite(experiment.position)]
+    name, is_read = experiment.name, np.isfinite(experiment.position)
+    readings = experiment.position[is_read]
     fewest, rows = (FEWEST_PAIRS, "pairs") if experiment.is_loop else (FEWEST_SAMPLES, "samples")
     if len(readings) < fewest:
         raise InputError(
@@ -108,7 +109,6 @@ def check(experiment: Experiment) -> None:
         raise InputError("the stem moves in a record", f"{found}, while the current changes", _beyond_dead_band())
     if travel < DROWNED * experiment.noise:
         raise InputError("the stem moves by more than the noise of its readings", found, _quieter())
-    is_read = np.isfinite(experiment.position)
     together = float(np.corrcoef(experiment.current[is_read], readings)[0, 1])
     if together < AGAINST:
         raise InputError(

@@ -226,7 +226,7 @@ class Problem:
             steps[moves & (point - low < NEAR_BOUND)] = OFF_BOUND
         steps[point + steps > high] *= -1.0
         here = self.residuals(point[None, :])[0] if known is None else known
-        smooth = self if not self.is_in_steps else self._smooth
+        smooth = self._smooth
         changes = smooth.residuals(point + np.diag(steps))
         changes -= here if smooth is self else smooth.residuals(point[None, :])[0]
         changes /= steps[:, None]
@@ -237,12 +237,12 @@ class Problem:
 
     @cached_property
     def _smooth(self) -> Problem:
-        """The same with an error that counts wherever it lies in a coarse reading's step, so that nothing bends.
+        """Itself, but with an error that counts wherever it lies in a coarse reading's step, so that nothing bends.
 
         A difference across the bend at half a step is the slope on neither side of it: a search along such slopes ends
         early, where none of them leads down.
         """
-        return replace(self, within=0.0)
+        return replace(self, within=0.0) if self.is_in_steps else self
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

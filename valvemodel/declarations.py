@@ -69,6 +69,10 @@ class Parameter:
         if self.typical is None and self.starts:
             object.__setattr__(self, "typical", float(self.starts[0]))
 
+    def within_bounds(self, value: float) -> float:
+        """Return a value, set to a bound where it lies beyond; the neutral one may lie anywhere."""
+        return value if value == self.neutral else min(max(value, self.low), self.high)
+
     @property
     def is_own(self) -> bool:
         """Whether it is a number of the valve by itself: no further one of a series, nor where a record began."""
@@ -168,12 +172,8 @@ class Effect:
         return tuple((each.name, values[each.name]) for each in self.parameters if each.name in held)
 
     def within_bounds(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return values with those set to a bound that lie beyond it; neutral ones may lie anywhere."""
-        own = {name: self.parameter(name) for name in values}
-        return {
-            name: value if value == own[name].neutral else min(max(value, own[name].low), own[name].high)
-            for name, value in values.items()
-        }
+        """Return values of its parameters, set to a bound where they lie beyond."""
+        return {name: self.parameter(name).within_bounds(value) for name, value in values.items()}
 
     def without_difference(self, values: Mapping[str, float]) -> dict[str, float] | None:
         """Return values at which those that differ are alike and what else is fitted is neutral, None if none do."""

@@ -170,7 +170,7 @@ def check_valve(values: Values) -> None:
 
 
 def _within(parameter: Parameter, value: float) -> float:
-    if value == parameter.neutral or parameter.low <= value <= parameter.high:
+    if value == parameter.within_bounds(value):
         return value
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
     raise InputError(

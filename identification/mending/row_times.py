@@ -66,9 +66,10 @@ def with_lost_rows(record: Record) -> tuple[Record, list[str]]:
     if record.time is None or record.current is None or record.position is None or len(record.time) < 3:
         return record, []
     intervals = np.diff(record.time)
-    missing = np.round(intervals / np.median(intervals)).astype(int) - 1
+    periods = intervals / np.median(intervals)
+    missing = np.round(periods).astype(int) - 1
     is_late = (missing > 0) & (missing < LOST_PERIODS) & (np.diff(record.current) != 0.0)
-    is_lost = is_late & (intervals > SEVERAL * np.median(intervals))
+    is_lost = is_late & (periods > SEVERAL)
     if is_late.mean() > RARE or not is_lost.any():
         return record, []
     counts = np.where(is_lost, missing, 0) + 1

@@ -10,7 +10,7 @@ from blind_fits import fits_to_plant
 from identification import sharpening
 from identification.fit import finished
 from identification.screening import joined
-from identification.search import Found
+from identification.search import Found, descend_to_end
 from valvemodel.effects import effect_of_key
 
 
@@ -39,10 +39,13 @@ def test_each_round_begins_where_the_best_was_found_and_looks_nearer(monkeypatch
 
 
 def test_a_search_from_afar_leads_out_of_a_side_minimum(tmp_path):
+    """Whether the fit itself ends there hangs by the last bit, as processors differ: too much damping leads there."""
     _, _, found = fits_to_plant(30023, "static_friction", tmp_path, nuisance=True)
-    noise = found.problem.noise_error
-    assert found.found.error > 3.0 * noise
-    assert sharpening.sharpened(found).found.error < 1.02 * noise
+    near, noise = sharpening.sharpened(found), found.problem.noise_error
+    start = near.found.point + np.array([each.name == "viscous_friction" for each in near.unknowns])
+    aside = finished(near.problem, descend_to_end(near.problem, start))
+    assert aside.found.error > 3.0 * noise
+    assert sharpening.sharpened(aside).found.error < 1.02 * noise
 
 
 @pytest.mark.parametrize(("law", "rounds"), [("static_friction", 5), ("stribeck", 3)])
