@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import WHAT, beside_slips
+from diagnosis.beside_slips import WHAT, beside_coarse_steps, beside_slips
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
@@ -97,6 +97,8 @@ def try_first(
     tried = alone
     if not are_of_reading:
         tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
+        if not any_explains(tried):
+            tried += beside_coarse_steps(alone, holdout, pool, progress)
         if not any_explains(tried):
             tried += beside_slips(alone, holdout, pool, progress)
     tried = with_better(tried, try_all(law_in_closed_form(tried), holdout, pool, progress, WHAT))

@@ -9,13 +9,21 @@ from functools import partial
 
 from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
-from diagnosis.standing import alone_of, best_of
-from diagnosis.trying import Candidate, Progress, Work, try_all
-from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
+from diagnosis.standing import alone_of, best_of, blunt, is_read_off, with_better
+from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
+from identification.bent_lines import (
+    BentLine,
+    bent_afresh,
+    bent_at_will,
+    bent_line,
+    on_the_line,
+    straight_line,
+)
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
+from identification.hints import begins_at_periods
 from identification.holdout import Holdout
-from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch
+from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, line_of_stairs
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 
@@ -121,6 +129,32 @@ def beside_slips(
     return try_all(nearest_at_slips(looked, alone_at_slips[0].error, brought), holdout, pool, progress, WHAT)
 
 
+def beside_coarse_steps(
+    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+) -> list[Candidate]:
+    """Try what makes the stem jump on top of a coarse reading in which slips of several steps show.
+
+    Parameters
+    ----------
+    alone : sequence of Candidate
+        The base, then the effects one by one.
+    holdout : Holdout
+    pool : Executor or None
+    progress : callable
+
+    Returns
+    -------
+    list of Candidate
+        Causes of two effects; empty where no such slips show.
+    """
+    readings = [each.fit for each in alone if is_read_off(each)]
+    in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
+    laws = [key for key in alone_of(alone) if effect_of_key(key).breakaway]
+    work = [Work(fit, (*fit.model.effects, law), True) for fit in in_stairs for law in laws]
+    tried = try_all(work, holdout, pool, progress, WHAT)
+    return with_better(tried, sharpen_all(blunt(best_of(tried, 2), alone[0]), holdout, pool, progress))
+
+
 def to_look_at(laws: Sequence[Candidate], line: Line) -> dict[str, list[SlipSearch] | None]:
     """Return the laws that are looked at by themselves, with what is known of their slips.
 
@@ -182,12 +216,16 @@ def bent_lines(
     """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first.
 
     A search that `is_thorough` lays lines afresh from the valve as it was given where they lie on none: with those
-    effects that bend it already, or else with all.
+    effects that bend it already, or else with all. Where no effect of few numbers explains them a load that varies at
+    will may.
     """
     laid = [each for each in lines_with(bent_line, base, line, effects, pool, progress) if each is not None]
     if is_thorough and not (line.is_explained or any(each.line.is_explained for each in laid)):
-        effects = [each.effect for each in laid if each.line.error < BENT * line.error] or effects
-        laid += [each for each in lines_with(bent_afresh, base, line, effects, pool, progress) if each is not None]
+        worth = [each.effect for each in laid if each.line.error < BENT * line.error] or effects
+        laid += [each for each in lines_with(bent_afresh, base, line, worth, pool, progress) if each is not None]
+    if not (line.is_explained or any(each.line.is_explained for each in laid)):
+        at_will = [each for each in effects if begins_at_periods(each)]
+        laid += [each for each in lines_with(bent_at_will, base, line, at_will, pool, progress) if each is not None]
     best: dict[str, BentLine] = {}
     for each in sorted(laid, key=lambda each: each.line.error):
         best.setdefault(each.effect.key, each)

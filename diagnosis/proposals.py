@@ -101,6 +101,7 @@ def extensions(
     A whole series of waves is laid on top of the other effect, and bears no third. What is read off the record and has
     no numbers to fit is laid on top of all others: a fit beside it follows none but the readings at its steps' edges.
     """
+    orders = orders_of(tried)
     # A pair with one wave says nothing of one with many.
     known: dict[tuple[frozenset[str], bool], float] = {}
     for each in tried:
@@ -130,8 +131,10 @@ def extensions(
         for key in shortlist(leader.fit, single, certain, min(count, most), pool):
             effects = (*leader.effects, key)
             cause = (frozenset(effects), leader.has_series)
-            # What is read off the residual of another fit may have begun amiss.
-            is_open = begins_at_periods(effect_of_key(key)) and known.get(cause, math.inf) > NO_GAIN * misfit(leader)
+            # What is read off the residual of another fit may have begun amiss, and with one wave followed together.
+            is_open = begins_at_periods(effect_of_key(key)) and (
+                effects not in orders or known.get(cause, math.inf) > NO_GAIN * misfit(leader)
+            )
             if cause in known and not is_open:
                 continue
             known[cause] = 0.0

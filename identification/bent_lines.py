@@ -8,11 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from identification.breakaway import LIES_ON, Line, breakaways_of, counted, line_through, roamed, slopes_of
+from identification.breakaway import (
+    FAR,
+    LIES_ON,
+    TO_THE_MIDDLE,
+    Breakaways,
+    Line,
+    breakaways_of,
+    counted,
+    line_through,
+    roamed,
+    slopes_of,
+)
 from identification.fit import Fit, finished
 from identification.hints import starts_of
+from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
-from identification.screening import SHRUNK, as_given, joined, residual_positions, resized
+from identification.screening import SHRUNK, as_given, beside_own, joined, residual_positions, resized
 from identification.search import Found, Start, errors
 from identification.stick_slip import HIDES_THE_LINE, SHAPES_SLIPS
 from valvemodel.declarations import Effect
@@ -34,6 +46,10 @@ as it was given where no effect bends the line from those."""
 
 LATE = (1, 2, 4)
 """Samples that a reading that lags is tried to be late by."""
+
+SOLVED, NONE = 3, 0.03
+"""Times that the waves of a series are solved for, each time with what lies far off counting less; and the share of
+breakaways that may be none, as where a stem but slows down on a step."""
 
 ANSWER = 3.0
 """How far the line's unknowns may answer a start by slopes, scaled."""
@@ -111,6 +127,60 @@ def bent_afresh(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
         return None
     starts = promised(fit, line, effect, list(starts_to_bend(fit, effect)), as_given(fit, fit.found.point))
     return laid_from([each[:2] for each in starts[:ALL_AFRESH]], line, effect)
+
+
+@threadpool_limits.wrap(limits=1)
+def bent_at_will(fit: Fit, line: Line, effect: Effect) -> BentLine | None:
+    """Bend the line of a fit by a load that varies at will; None where the breakaways lie off it, or are too few.
+
+    At breakaway the load is what the line misses: all waves of a series over the record are solved for together, as
+    large as unseen breakaways bear out. They stay while slips are searched for.
+    """
+    load, waves = series_over(fit.problem.experiments, effect)
+    if line.count < len(waves) + len(line.columns):
+        return None
+    problem, point = joined(fit.problem, line.point, effect, load | dict.fromkeys(waves, 1.0))
+    columns = np.array([number for number, unknown in enumerate(problem.unknowns) if unknown.name in waves])
+    point[columns] = 0.0
+    breakaways = replace(line.breakaways, problem=problem)
+    for _ in range(SOLVED):
+        own, sizes = answer_at_will(breakaways, point, line.columns, columns)
+        point[line.columns] += np.clip(own, -ANSWER, ANSWER)
+        point[columns] = sizes
+    values = problem.values(point)
+    problem, begun = joined(
+        fit.problem, point[: len(line.point)], effect, load | {name: values[name] for name in waves}
+    )
+    breakaways = replace(breakaways, problem=problem)
+    off = np.sort(np.abs(breakaways.enclosed(begun[None, :])[0]))
+    error = float(counted(off[: line.count - round(NONE * line.count)]))
+    bent = Line(begun, line.columns, breakaways.slack(begun, line.columns), error, breakaways)
+    return BentLine(effect, problem, bent) if bent.is_explained else None
+
+
+def answer_at_will(
+    breakaways: Breakaways, point: np.ndarray, own: np.ndarray, waves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much a line's own unknowns are to move, and how large waves to be, for it to lie on the breakaways.
+
+    Parameters
+    ----------
+    breakaways : Breakaways
+    point : array, shape (unknowns,)
+        Scaled.
+    own, waves : arrays of int
+        Their numbers among the unknowns; slopes tell what they do.
+    """
+    off = breakaways.centred(point[None, :])[0]
+    far = max(FAR, 2.0 * float(np.median(np.abs(off))))
+    weights = np.where(breakaways.is_ramped(point), 1.0, TO_THE_MIDDLE) / np.sqrt(1.0 + (off / far) ** 2)
+    slopes = weights[:, None] * slopes_of(breakaways.centred, point, np.concatenate([own, waves]))
+    basis, triangle = np.linalg.qr(slopes[:, : len(own)])
+    left = slopes[:, len(own) :] @ point[waves] - weights * off
+    changes = np.array([beside_own(column, basis) for column in slopes[:, len(own) :].T]).T
+    sizes = sizes_of(changes, beside_own(left, basis), np.arange(len(off)))
+    moves = np.linalg.lstsq(triangle, basis.T @ (left - slopes[:, len(own) :] @ sizes), rcond=1e-6)[0]
+    return moves, sizes
 
 
 def laid_from(starts: Sequence[Start], line: Line, effect: Effect) -> BentLine | None:

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from identification.experiment import simulate_rows
-from identification.hints import is_read_coarsely
+from identification.hints import coarse_step
 from identification.pressures import seen_by_pressure, told_by_pressure
 from identification.problem import DIFFERENCE, Problem
-from identification.rests import Rest, rests_of
+from identification.rests import Rest, rests_in
 from identification.search import Slopes, roam_over
 from identification.unknowns import GAP
 from valvemodel.breakaways import ways_to_breakaway
@@ -104,8 +104,13 @@ class Breakaways:
     def spread(self) -> np.ndarray:
         """Standard deviations of the positions. [m]"""
         pairs = zip(self.problem.experiments, self.rests, strict=True)
-        counts = [(each.noise, rest.last + 1 - rest.first) for each, rests in pairs for rest in rests]
-        return np.array([noise * np.sqrt(1.0 / count + GRAIN**2) for noise, count in counts])
+        known = [(each.noise, coarse_step(each) if rests else 0.0, rests) for each, rests in pairs]
+        squares = [
+            noise**2 * (1.0 / (rest.last + 1 - rest.first) + GRAIN**2) + step**2 / 12.0
+            for noise, step, rests in known
+            for rest in rests
+        ]
+        return np.sqrt(squares)
 
     @cached_property
     def time(self) -> np.ndarray:
@@ -188,14 +193,16 @@ class Breakaways:
 
 
 def breakaways_of(problem: Problem) -> Breakaways:
-    """Return the breakaways in the samples of a problem that count; none of a coarse reading, whose rests are its own.
+    """Return the breakaways in the samples of a problem that count.
 
-    Where the stem is when it breaks away is not told by such a rest, nor when it does.
+    There are none of a coarse reading, whose rests are its own, unless the model reads in its steps: then slips of
+    several steps show when the stem breaks away, and within a step where.
     """
     rests = []
     for experiment, used in zip(problem.experiments, problem.used, strict=True):
         readings = np.where(used, experiment.position, np.nan)
-        rests.append([] if is_read_coarsely(experiment) else list(rests_of(readings, experiment.noise)))
+        is_told = coarse_step(experiment) == 0.0 or problem.comes_in_steps(experiment)
+        rests.append(rests_in(experiment, readings) if is_told else [])
     return Breakaways(problem, rests)
 
 

@@ -149,12 +149,17 @@ def nearby(periods: list[float], duration: float) -> list[float]:
 
 def is_read_coarsely(experiment: Experiment) -> bool:
     """Return whether readings lie on a coarse grid, so that a rest of the reading says little of where the stem is."""
+    return coarse_step(experiment) > 0.0
+
+
+def coarse_step(experiment: Experiment) -> float:
+    """Return the step of the coarse grid that readings lie on, 0 where they lie on none. [m]"""
     step, offset = coarsest_grid(experiment)
     if step <= COARSE * experiment.noise:
-        return False
+        return 0.0
     places = (experiment.position[np.isfinite(experiment.position)] - offset) / step
     off = np.abs(places - np.round(places)) * step
-    return bool(np.mean(off < 3.0 * experiment.noise) >= ON_THE_GRID)
+    return step if np.mean(off < 3.0 * experiment.noise) >= ON_THE_GRID else 0.0
 
 
 def left_over(residual: np.ndarray) -> float:

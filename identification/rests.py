@@ -9,12 +9,17 @@ from functools import cached_property
 import numpy as np
 
 from identification.experiment import Experiment
+from identification.hints import coarse_step
 
 SHORTEST = 6
 """Samples that a rest has at least."""
 
 QUIET, LEFT = 6.0, 5.0
 """Range of the readings within which a stem rests, and change of the reading that ends the rest. [noise]"""
+
+OF_A_STEP = 0.25
+"""Share of a coarse reading's step that counts as its noise: a stem that rests flickers between two steps, and has left
+when it is two away, as by a slip. One that moves on slowly rests nowhere."""
 
 CREEPING = 3.0
 """Drift of the readings from which a stem creeps. [noise of the drift]"""
@@ -60,6 +65,11 @@ def rests_of(position: np.ndarray, noise: float) -> Iterator[Rest]:
         first = last + 1
 
 
+def rests_in(experiment: Experiment, readings: np.ndarray) -> list[Rest]:
+    """Return the rests that some of an experiment's readings show, shape (n,), NaN where nothing counts. [m]"""
+    return list(rests_of(readings, max(experiment.noise, OF_A_STEP * coarse_step(experiment))))
+
+
 def drift_of(readings: np.ndarray) -> float:
     """Return the drift of readings, scaled so that its noise is that of a reading. [m]"""
     places = np.arange(len(readings)) - 0.5 * (len(readings) - 1)
@@ -73,7 +83,7 @@ class RestedExperiment(Experiment):
     def anchors(self) -> np.ndarray:
         """Mean readings of the rests, at their last sample but one, NaN elsewhere, shape (n,). [m]"""
         anchors = np.full(len(self.time), np.nan)
-        for rest in rests_of(self.position, self.noise):
+        for rest in rests_in(self, self.position):
             anchors[rest.last - 1] = rest.position
         return anchors
 

@@ -21,7 +21,7 @@ from valvemodel.effects import effect_of_key
 REACH = 4.0
 """Error beyond which a sample of stairs counts by the logarithm: a slip is many times as high. [noise]"""
 
-HIDES_THE_LINE = frozenset({"static_friction", "stribeck", "presliding", "end_stop", "quantisation", "sensor_lag"})
+HIDES_THE_LINE = frozenset({"static_friction", "stribeck", "presliding", "end_stop", "sensor_lag"})
 """Effects beside which a rest's reading, or its end, does not tell what force holds the stem."""
 
 SHAPES_SLIPS = frozenset({"asymmetric_viscous_friction", "sensor_lag"})

@@ -16,7 +16,14 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
+from identification.bent_lines import (
+    LEAST_BREAKAWAYS,
+    bent_afresh,
+    bent_at_will,
+    bent_line,
+    on_the_line,
+    straight_line,
+)
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
@@ -56,6 +63,73 @@ def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(given, seed):
     assert is_read_coarsely(experiment)
     assert straight_line(base) is None
     assert line_of_stairs(base.problem, base.found.point) is None
+
+
+@pytest.fixture(scope="module")
+def coarse(given):
+    """A plant that jumps by several steps of a coarse reading, and the base valve that reads in those."""
+    plant, holdout, base = plant_and_base(given, 31004, "stribeck", "quantisation")
+    return plant, holdout, extend(base, "quantisation")
+
+
+def test_slips_of_several_steps_lay_a_line_through_a_coarse_reading(coarse):
+    plant, _, read = coarse
+    assert len(breakaways_of(replace(read.problem, model=read.model.without_effect("quantisation"))).position) == 0
+    line = line_of_stairs(read.problem, read.found.point)
+    assert line.count > 8 * LEAST_BREAKAWAYS
+    assert line.is_explained
+    # Each rest is known within a step.
+    (step,) = (truth.parameters["reading_step"] for truth in plant.effects if truth.effect == "quantisation")
+    assert np.all(line.breakaways.spread == pytest.approx(step / np.sqrt(12.0), rel=0.1))
+    values = dict(zip((unknown.name for unknown in read.unknowns), line.point, strict=True))
+    stiffness = next(each for each in read.unknowns if each.name == "spring_rate").value(values["spring_rate"])
+    # In the units of a valve of the given area.
+    assert stiffness / read.model.values["diaphragm_area"] == pytest.approx(
+        plant.base["spring_rate"] / plant.base["diaphragm_area"], rel=0.05
+    )
+
+
+def test_what_makes_a_stem_jump_is_found_beside_a_coarse_reading(coarse):
+    _, holdout, read = coarse
+    found = extend(read, "stribeck", is_global=True)
+    assert found.found.error < 0.1 * read.found.error
+    alone = [Candidate((), read, score_fit(read, holdout))]
+    alone += [replace(alone[0], effects=(key,)) for key in ("quantisation", "static_friction")]
+    asked = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(slips, "try_all", lambda work, *_: asked.extend(work) or [])
+        slips.beside_coarse_steps(alone, holdout, None, lambda *_: None)
+    assert [each.effects for each in asked] == [("quantisation", "static_friction")]
+    assert asked[0].is_global
+
+
+@pytest.fixture(scope="module")
+def swaying(given):
+    """A plant that jumps under a load that varies at will."""
+    return plant_and_base(given, 31103, "stribeck", "load_force")
+
+
+def test_a_load_at_will_brings_breakaways_onto_a_line(swaying):
+    plant, _, base = swaying
+    (truth,) = (each for each in plant.effects if each.effect == "load_force")
+    assert truth.formulation == "wander"
+    line, load = straight_line(base), effect_of_key("load_force")
+    assert line.error > 20.0 * line.count
+    bent = bent_at_will(base, line, load)
+    assert bent.line.is_explained
+    assert bent.problem.has_series
+    # The waves stay while slips are searched for.
+    assert set(bent.line.columns) == set(line.columns)
+    sizes = [value for name, value in bent.problem.model.effects["load_force"].items() if "sine" in name]
+    rms = np.sqrt(0.5 * np.sum(np.square(sizes)))
+    assert rms == pytest.approx(truth.parameters["amplitude"], rel=0.4)
+
+
+def test_a_load_at_will_bends_no_line_through_few_breakaways(swaying):
+    _, _, base = swaying
+    line = straight_line(base)
+    few = replace(line.breakaways, rests=[line.breakaways.rests[0][:40]])
+    assert bent_at_will(base, replace(line, breakaways=few), effect_of_key("load_force")) is None
 
 
 def test_a_stem_that_rests_here_and_there_is_not_read_coarsely(drifting):

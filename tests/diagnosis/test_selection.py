@@ -300,12 +300,25 @@ def test_two_that_explain_together_end_the_search_unless_one_may_stand_in(monkey
 )
 def test_what_is_read_off_a_residual_is_tried_on_top_of_the_fit_that_leaves_it(monkeypatch, pair, is_tried):
     """Its periods beside another fit, as that of the base, are none where that leaves much else."""
+    pair = replace(pair, orders=frozenset({pair.effects}))
     key = pair.effects[1]
     monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
     monkeypatch.setattr(proposals, "shortlist", lambda *_: [key])
     leader = candidate(20.0, "spring_hardening")
     work = extensions([leader], [candidate(90.0), leader, candidate(80.0, key), pair], {key: {"size": 1.0}}, 6, None)
     assert [each.effects for each in work] == ([pair.effects] if is_tried else [])
+
+
+def test_a_load_of_one_wave_that_was_followed_together_is_tried_on_top_as_many(monkeypatch):
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(proposals, "shortlist", lambda *_: ["load_force"])
+    tight, load = candidate(20.0, "position_dependent_friction"), waves(30.0, "load_force")
+    together = candidate(8.0, "position_dependent_friction", "load_force")
+    single = {"load_force": {"size": 1.0}}
+    (work,) = extensions([tight], [candidate(90.0), tight, load, together], single, 6, None)
+    assert work.effects == together.effects
+    on_top = replace(together, orders=frozenset({together.effects}))
+    assert extensions([tight], [candidate(90.0), tight, load, on_top], single, 6, None) == []
 
 
 @pytest.mark.parametrize(
@@ -843,6 +856,7 @@ def test_stops_that_a_coarse_reading_on_top_of_the_nearest_explains_speak_for_no
     monkeypatch.setattr(singles, "try_by_promise", lambda *_: alone)
     monkeypatch.setattr(singles, "try_widely", lambda tried, *_, has_stops: looked_at.append(has_stops) or alone)
     monkeypatch.setattr(singles, "beside_slips", lambda *_: looked_at.append("slips") or [])
+    monkeypatch.setattr(singles, "beside_coarse_steps", lambda *_: [])
     for name in ("nearly", "blunt", "left_alone"):
         monkeypatch.setattr(singles, name, lambda *_: [])
     singles.try_first(alone[0], None, [], None, None)
