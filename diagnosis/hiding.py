@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 
 import numpy as np
 
-from diagnosis.explaining import leaves_little, misfit
+from diagnosis.explaining import is_fitted, leaves_little, misfit
 from diagnosis.judgement import WITHIN_ERROR, Judgement, judge
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.holdout import Holdout
@@ -99,8 +99,13 @@ def said(hidden: Sequence[Candidate], best: Candidate) -> list[str]:
 
 
 def is_hidden(found: Candidate, best: Candidate) -> bool:
-    """Return whether a cause explains as well as the one that it adds an effect to, and the effect is a strong one."""
-    return misfit(found) < HIDES * max(misfit(best), 1.0) and found.trace >= FELT
+    """Return whether a cause explains as well as the one that it adds an effect to, and the effect is a strong one.
+
+    Where the stem sticks in places a hair may decide on a stretch that was kept back: what was fitted tells.
+    """
+    sticks = any(effect_of_key(key).is_jagged for key in best.effects)
+    is_as_near = misfit(found) < HIDES * max(misfit(best), 1.0) or (sticks and is_fitted(found))
+    return is_as_near and found.trace >= FELT
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from diagnosis.explaining import explains, is_fitted, misfit
+from diagnosis.explaining import any_explains, explains, is_fitted, misfit
+from diagnosis.judgement import is_felt
 from diagnosis.proposals import gains_by_both
-from diagnosis.standing import alone_of, best_of, is_blunt
+from diagnosis.standing import alone_of, best_of, is_blunt, is_quick
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases
 
@@ -44,6 +45,22 @@ def short_of_noise(tried: Sequence[Candidate]) -> list[Candidate]:
         return []
     near = [each for each in rivals_of_best(tried) if is_blunt(each) and explains(each, tried[0])]
     return [each for each in near if not (is_fitted(each) or each.is_sharpened)][:SHORT_OF_NOISE]
+
+
+def ended_at_nothing(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Return what makes the stem jump beside the best alone, if the search for it ended where it changes nothing.
+
+    Where a record shows but few slips a look from afar promises none: a search about that end finds them.
+    """
+    if any_explains(tried):
+        return []
+    best = [each for each in best_of(tried, 1) if is_quick(each.effects[0]) and not each.has_series][:1]
+    return [
+        pair
+        for each in best
+        for pair in best_of(tried, 2)
+        if is_blunt(pair) and not (pair.is_sharpened or is_felt(pair)) and set(each.effects) < set(pair.effects)
+    ]
 
 
 def aliases_of_best(tried: Sequence[Candidate]) -> list[Candidate]:

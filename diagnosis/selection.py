@@ -32,7 +32,7 @@ from diagnosis.proposals import (
     reversed_pairs,
     with_jumps,
 )
-from diagnosis.rivals import aliases_of_best, rivals_of_best, short_of_noise, two_that_gain
+from diagnosis.rivals import aliases_of_best, ended_at_nothing, rivals_of_best, short_of_noise, two_that_gain
 from diagnosis.standing import (
     alone_of,
     best_of,
@@ -202,6 +202,7 @@ def on_top_of_the_best(
             break
     if size == 2:
         known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
+        known = with_better(known, sharpen_all(ended_at_nothing(known), holdout, pool, progress))
     best = best_of(known, size)
     if not best or not gains(best[0], order[0]) or settles(best[0]) or (size == 2 and is_out_of_reach(known)):
         return known

@@ -21,7 +21,8 @@ def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
     errors = Errors(misfit * counts, misfit * counts, counts, 1, 1.0)
     experiment = SimpleNamespace(has_stairs=False)
     model = SimpleNamespace(effects=dict.fromkeys(effects))
-    fit = SimpleNamespace(model=model, problem=SimpleNamespace(experiments=[experiment]), name="+".join(effects))
+    problem, found = SimpleNamespace(experiments=[experiment], noise_error=100.0), SimpleNamespace(error=100.0 * misfit)
+    fit = SimpleNamespace(model=model, problem=problem, found=found, name="+".join(effects))
     return Candidate(effects, fit, Score(errors, errors), trace)
 
 
@@ -42,6 +43,23 @@ def test_what_leaves_a_cause_as_good_as_it_is_is_said_to_hide_beside_it(monkeypa
     causes, hiding = beside(tried, {"air_leak": 1.0, "linkage_backlash": 1.5}, monkeypatch)
     assert hiding == ["air_leak"]
     assert causes == tried
+
+
+@pytest.mark.parametrize(("key", "hidden"), [("position_dependent_friction", ["air_leak"]), ("presliding", [])])
+def test_where_a_stem_sticks_what_was_fitted_tells_whether_an_effect_hides(monkeypatch, key, hidden):
+    """A hair may decide on a stretch that was kept back."""
+    tried = [candidate(40.0), candidate(1.2, key), candidate(39.0, "air_leak")]
+
+    def try_all(work, *_):
+        made = [candidate(7.0, *each.effects) for each in work]
+        return [replace(each, fit=SimpleNamespace(**vars(each.fit) | {"found": found})) for each in made]
+
+    found = SimpleNamespace(error=101.0)
+    monkeypatch.setattr(hiding, "try_all", try_all)
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    assert with_hidden(tried, None, None, lambda what, share: None)[1] == hidden
+    found.error = 110.0
+    assert with_hidden(tried, None, None, lambda what, share: None)[1] == []
 
 
 def test_what_comes_no_nearer_than_can_be_told_hides_too(monkeypatch):

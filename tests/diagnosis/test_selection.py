@@ -992,6 +992,22 @@ def test_rivals_that_jump_are_searched_about_though_they_explain_where_they_left
     assert rivals.short_of_noise([*known[:4], *many]) == many[: rivals.SHORT_OF_NOISE]
 
 
+def test_what_makes_a_stem_jump_beside_the_best_alone_is_searched_about_where_its_search_ended_at_nothing():
+    base, best = candidate(40.0), candidate(11.8, "asymmetric_viscous_friction")
+    idle = replace(candidate(11.8, "asymmetric_viscous_friction", "static_friction"), trace=0.0)
+    tried = [base, best, candidate(39.0, "static_friction"), candidate(20.0, "coil_lag"), idle]
+    assert rivals.ended_at_nothing(tried) == [idle]
+    assert rivals.ended_at_nothing([*tried[:-1], replace(idle, trace=5.0)]) == []
+    assert rivals.ended_at_nothing([*tried[:-1], replace(idle, is_sharpened=True)]) == []
+    assert rivals.ended_at_nothing([base, candidate(1.0, "asymmetric_viscous_friction"), idle]) == []
+    # A law of which a run takes long is searched for by itself, and nothing on top of another that stops the stem.
+    slow = replace(candidate(11.8, "asymmetric_viscous_friction", "stribeck"), trace=0.0)
+    assert rivals.ended_at_nothing([base, best, slow]) == []
+    tight = candidate(11.7, "position_dependent_friction")
+    beside = replace(candidate(11.7, "position_dependent_friction", "static_friction"), trace=0.0)
+    assert rivals.ended_at_nothing([base, tight, beside]) == []
+
+
 @pytest.mark.parametrize(("left", "is_asked"), [(5.0, True), (6.0, False)])
 def test_what_jumps_alone_is_searched_about_where_it_may_explain_the_record(monkeypatch, left, is_asked):
     alone, asked = [candidate(40.0), candidate(left, "static_friction"), candidate(38.0, "coil_lag")], []
