@@ -147,7 +147,7 @@ def beside_coarse_steps(
     list of Candidate
         Causes of two effects; empty where no such slips show.
     """
-    readings = [each.fit for each in alone if is_read_off(each)]
+    readings = [each.fit for each in alone if is_read_off(each) and each.fit.problem.is_in_steps]
     in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
     laws = [key for key in alone_of(alone) if effect_of_key(key).breakaway]
     work = [Work(fit, (*fit.model.effects, law), True) for fit in in_stairs for law in laws]

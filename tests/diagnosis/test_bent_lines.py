@@ -16,6 +16,7 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
+from identification import bent_lines as bends
 from identification.bent_lines import (
     LEAST_BREAKAWAYS,
     bent_afresh,
@@ -123,6 +124,18 @@ def test_a_load_at_will_brings_breakaways_onto_a_line(swaying):
     sizes = [value for name, value in bent.problem.model.effects["load_force"].items() if "sine" in name]
     rms = np.sqrt(0.5 * np.sum(np.square(sizes)))
     assert rms == pytest.approx(truth.parameters["amplitude"], rel=0.4)
+
+
+def test_waves_that_foretell_no_breakaway_bend_no_line(given, monkeypatch):
+    """The breakaways of a law in which a stem creeps before it slips are imitated by them one by one."""
+    plant = draw_plant(1971435783, ("stribeck",), nuisance=True)
+    holdout = hold_out([experiment_of(Record.from_arrays(name="plant", **measure(plant, 1682012484)))])
+    base = fit_base(given, holdout.experiments, holdout.fitted)
+    line, load = straight_line(base), effect_of_key("load_force")
+    assert not line.is_explained
+    assert bent_at_will(base, line, load) is None
+    monkeypatch.setattr(bends, "FORETOLD", np.inf)
+    assert bent_at_will(base, line, load).line.is_explained
 
 
 def test_a_load_at_will_bends_no_line_through_few_breakaways(swaying):
