@@ -68,7 +68,12 @@ def nearly_explains(candidate: Candidate, base: Candidate) -> bool:
 
 def is_fitted(candidate: Candidate) -> bool:
     """Return whether a cause leaves but noise of what it was fitted to: no search from elsewhere comes nearer."""
-    return candidate.fit.found.error < FITTED * candidate.fit.problem.noise_error
+    return left_of_fitted(candidate) < FITTED
+
+
+def left_of_fitted(candidate: Candidate) -> float:
+    """Return how far a cause is from what it was fitted to: 1 where the noise is reached."""
+    return candidate.fit.found.error / candidate.fit.problem.noise_error
 
 
 def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.explaining import AT_NOISE, explains, misfit, stops_seen
+from diagnosis.explaining import AT_NOISE, explains, left_of_fitted, misfit, stops_seen
 from diagnosis.score import Errors, Score
 from diagnosis.trying import Candidate
 from valvemodel.effects import differ_by_aliases, effect_of_key, jumps
@@ -275,8 +275,12 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     unit_of_form = float(np.clip(BEHIND_SHARE * misfit(candidates[0]), BEHIND, BEHIND_A_LAW))
 
     def behind(each: Candidate, other: Candidate, allowed: float, unit: float = BEHIND) -> float:
-        is_rough = differ_by_law(each, other) or reads_coarsely(each) or reads_coarsely(other)
-        return (left(each, each) - left(other, each) - allowed) / (BEHIND_A_LAW if is_rough else unit)
+        more, is_of_law = left(each, each) - left(other, each), differ_by_law(each, other)
+        if is_of_law:
+            # A hair may decide on slips that were kept back: a law lies behind in what was fitted as well.
+            more = min(more, left_of_fitted(each) - left_of_fitted(other))
+        is_rough = is_of_law or reads_coarsely(each) or reads_coarsely(other)
+        return (more - allowed) / (BEHIND_A_LAW if is_rough else unit)
 
     for number, each in enumerate(candidates):
         losses = [

@@ -197,6 +197,9 @@ def test_a_law_of_slips_loses_less_behind_another_law_than_an_effect_behind_anot
     others = candidate(1.2, "spring_hardening", "static_friction"), candidate(1.2, "air_leak", "stribeck")
     assert judge([base, law, *others]).lost[1:] == pytest.approx([0.0, 2.0, judgement.MOST_BEHIND])
     assert judge([base, law, candidate(1.2, "air_leak", "static_friction")]).lost[2] == judgement.MOST_BEHIND
+    # Behind in what was kept back alone, which a hair may decide, it loses nothing.
+    fitted = [replace(each, fit=SimpleNamespace(**vars(each.fit) | {"found": law.fit.found})) for each in others]
+    assert judge([base, law, *fitted]).lost[1:] == pytest.approx([0.0, 0.0, judgement.MOST_BEHIND])
     single, sham = candidate(1.0, "static_friction"), replace(candidate(1.2), effects=("sham",))
     for other in (candidate(1.2, "coil_lag"), sham):
         assert judge([base, single, other]).lost[2] == judgement.MOST_BEHIND
