@@ -11,14 +11,8 @@ from diagnosis.explaining import any_explains, misfit, stops_seen
 from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
 from diagnosis.standing import alone_of, best_of, blunt, is_read_off, with_better
 from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
-from identification.bent_lines import (
-    BentLine,
-    bent_afresh,
-    bent_at_will,
-    bent_line,
-    on_the_line,
-    straight_line,
-)
+from identification.bent_at_will import bent_at_will
+from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
 from identification.hints import begins_at_periods

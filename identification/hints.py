@@ -147,13 +147,11 @@ def nearby(periods: list[float], duration: float) -> list[float]:
     return [float(duration / (QUARTER_WAVE * count)) for count in every if count * QUARTER_WAVE >= HALF_WAVE]
 
 
-def is_read_coarsely(experiment: Experiment) -> bool:
-    """Return whether readings lie on a coarse grid, so that a rest of the reading says little of where the stem is."""
-    return coarse_step(experiment) > 0.0
-
-
 def coarse_step(experiment: Experiment) -> float:
-    """Return the step of the coarse grid that readings lie on, 0 where they lie on none. [m]"""
+    """Return the step of the coarse grid that readings lie on, 0 where they lie on none. [m]
+
+    A rest of the reading says little of where the stem is on one.
+    """
     step, offset = coarsest_grid(experiment)
     if step <= COARSE * experiment.noise:
         return 0.0

@@ -16,20 +16,14 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from identification import bent_lines as bends
-from identification.bent_lines import (
-    LEAST_BREAKAWAYS,
-    bent_afresh,
-    bent_at_will,
-    bent_line,
-    on_the_line,
-    straight_line,
-)
+from identification import bent_at_will as waving
+from identification.bent_at_will import bent_at_will
+from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
 from identification.extension import extend, slips_beside, slips_by
 from identification.fit import Fit, fit_base
-from identification.hints import is_read_coarsely
+from identification.hints import coarse_step
 from identification.holdout import hold_out
 from identification.rests import rests_of
 from identification.search import errors
@@ -61,7 +55,7 @@ def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(given, seed):
     _, _, base = plant_and_base(given, seed, "quantisation")
     (experiment,) = base.problem.experiments
     assert len(list(rests_of(experiment.position, experiment.noise))) > LEAST_BREAKAWAYS
-    assert is_read_coarsely(experiment)
+    assert coarse_step(experiment) > 0.0
     assert straight_line(base) is None
     assert line_of_stairs(base.problem, base.found.point) is None
 
@@ -134,7 +128,7 @@ def test_waves_that_foretell_no_breakaway_bend_no_line(given, monkeypatch):
     line, load = straight_line(base), effect_of_key("load_force")
     assert not line.is_explained
     assert bent_at_will(base, line, load) is None
-    monkeypatch.setattr(bends, "FORETOLD", np.inf)
+    monkeypatch.setattr(waving, "FORETOLD", np.inf)
     assert bent_at_will(base, line, load).line.is_explained
 
 
@@ -147,7 +141,7 @@ def test_a_load_at_will_bends_no_line_through_few_breakaways(swaying):
 
 def test_a_stem_that_rests_here_and_there_is_not_read_coarsely(drifting):
     _, _, base = drifting
-    assert not any(map(is_read_coarsely, base.problem.experiments))
+    assert not any(map(coarse_step, base.problem.experiments))
 
 
 def test_the_way_to_a_breakaway_ends_where_friction_just_holds(given):
