@@ -97,10 +97,9 @@ def try_first(
     tried = alone
     if not are_of_reading:
         tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
-        if not any_explains(tried):
-            tried += beside_coarse_steps(alone, holdout, pool, progress)
-        if not any_explains(tried):
-            tried += beside_slips(alone, holdout, pool, progress)
+        for beside in (beside_coarse_steps, beside_slips):
+            if not any_explains(tried):
+                tried += beside(alone, holdout, pool, progress)
     tried = with_better(tried, try_all(law_in_closed_form(tried), holdout, pool, progress, WHAT))
     tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
     return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))

@@ -126,20 +126,9 @@ def beside_slips(
 def beside_coarse_steps(
     alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
 ) -> list[Candidate]:
-    """Try what makes the stem jump on top of a coarse reading in which slips of several steps show.
+    """Try what makes the stem jump on top of a coarse reading in which slips of several steps show; none where none do.
 
-    Parameters
-    ----------
-    alone : sequence of Candidate
-        The base, then the effects one by one.
-    holdout : Holdout
-    pool : Executor or None
-    progress : callable
-
-    Returns
-    -------
-    list of Candidate
-        Causes of two effects; empty where no such slips show.
+    Parameters are those of `beside_slips`.
     """
     readings = [each.fit for each in alone if is_read_off(each) and each.fit.problem.is_in_steps]
     in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
@@ -171,7 +160,7 @@ def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None,
         return False
     # The lines that cost least come first: one is enough.
     laid = lines_with(bent_line, base, line, sorted(effects, key=lambda each: each.acts_in_time), pool, progress)
-    return any(each is not None and each.line.is_explained for each in laid)
+    return any(each.line.is_explained for each in laid)
 
 
 def stops_by_reading(cause: Candidate) -> bool:
@@ -213,13 +202,13 @@ def bent_lines(
     effects that bend it already, or else with all. Where no effect of few numbers explains them a load that varies at
     will may.
     """
-    laid = [each for each in lines_with(bent_line, base, line, effects, pool, progress) if each is not None]
-    if is_thorough and not (line.is_explained or any(each.line.is_explained for each in laid)):
+    laid = list(lines_with(bent_line, base, line, effects, pool, progress))
+    if is_thorough and not are_explained(line, laid):
         worth = [each.effect for each in laid if each.line.error < BENT * line.error] or effects
-        laid += [each for each in lines_with(bent_afresh, base, line, worth, pool, progress) if each is not None]
-    if not (line.is_explained or any(each.line.is_explained for each in laid)):
+        laid += lines_with(bent_afresh, base, line, worth, pool, progress)
+    if not are_explained(line, laid):
         at_will = [each for each in effects if begins_at_periods(each)]
-        laid += [each for each in lines_with(bent_at_will, base, line, at_will, pool, progress) if each is not None]
+        laid += lines_with(bent_at_will, base, line, at_will, pool, progress)
     best: dict[str, BentLine] = {}
     for each in sorted(laid, key=lambda each: each.line.error):
         best.setdefault(each.effect.key, each)
@@ -229,10 +218,15 @@ def bent_lines(
 
 def lines_with(
     bend: Bend, base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
-) -> Iterator[BentLine | None]:
-    """Return the lines with each of some effects, as they are done; those that nobody waits for are not begun."""
+) -> Iterator[BentLine]:
+    """Return the lines that some of the effects bend, as they are done; what nobody waits for is not begun."""
     progress("what bends the line through the breakaways", 0.0)
-    return iter((pool.map if pool else map)(partial(bend, base, line), effects))
+    return filter(None, (pool.map if pool else map)(partial(bend, base, line), effects))
+
+
+def are_explained(line: Line, bent: Sequence[BentLine]) -> bool:
+    """Return whether the breakaways lie on a line as it is, or as one of some effects bends it."""
+    return line.is_explained or any(each.line.is_explained for each in bent)
 
 
 def beside_the_best(alone: Sequence[Candidate], maker: Candidate) -> list[Work]:

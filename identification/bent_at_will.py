@@ -11,6 +11,7 @@ from identification.bent_lines import ANSWER, BentLine
 from identification.breakaway import FAR, TO_THE_MIDDLE, Breakaways, Line, counted, slopes_of
 from identification.fit import Fit
 from identification.load_series import series_over, sizes_of
+from identification.ridge import FOLDS
 from identification.screening import beside_own, joined
 from valvemodel.declarations import Effect
 
@@ -18,10 +19,9 @@ SOLVED, NONE = 3, 0.03
 """Times that the waves of a series are solved for, each time with what lies far off counting less; and the share of
 breakaways that may be none, as where a stem but slows down on a step."""
 
-FOLDS, FORETOLD = 5, 0.3
-"""Parts of the breakaways, each of which waves foretell from the others, and the share of their error without waves
-that may be left: of three loads at will in blind plants of our own 0.06 to 0.16 was, of a law that waves imitated 0.55.
-"""
+FORETOLD = 0.3
+"""Share of the error of unseen breakaways without waves that these may leave: of three loads at will in blind plants of
+our own 0.06 to 0.16 was left, of a law that waves imitated 0.55."""
 
 
 @threadpool_limits.wrap(limits=1)
@@ -93,15 +93,14 @@ def solved_for(by_own: np.ndarray, by_waves: np.ndarray, wanted: np.ndarray) -> 
     wanted : array, shape (breakaways,)
     """
     basis, triangle = np.linalg.qr(by_own)
-    changes = np.array([beside_own(column, basis) for column in by_waves.T]).T
-    sizes = sizes_of(changes, beside_own(wanted, basis), np.arange(len(wanted)))
+    sizes = sizes_of(beside_own(by_waves, basis), beside_own(wanted, basis), np.arange(len(wanted)))
     return np.linalg.lstsq(triangle, basis.T @ (wanted - by_waves @ sizes), rcond=1e-6)[0], sizes
 
 
 def left_unseen(by_own: np.ndarray, by_waves: np.ndarray, wanted: np.ndarray) -> float:
     """Return what waves leave of breakaways that they were not solved for, over what a line without them leaves there.
 
-    Parameters and slopes are those of `solved_for`.
+    Parameters are those of `solved_for`.
     """
     fold, left = np.arange(len(wanted)) % FOLDS, np.zeros((2, len(wanted)))
     for part in range(FOLDS):

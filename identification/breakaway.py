@@ -104,10 +104,9 @@ class Breakaways:
     def spread(self) -> np.ndarray:
         """Standard deviations of the positions. [m]"""
         pairs = zip(self.problem.experiments, self.rests, strict=True)
-        known = [(each.noise, coarse_step(each) if rests else 0.0, rests) for each, rests in pairs]
         squares = [
-            noise**2 * (1.0 / (rest.last + 1 - rest.first) + GRAIN**2) + step**2 / 12.0
-            for noise, step, rests in known
+            each.noise**2 * (1.0 / (rest.last + 1 - rest.first) + GRAIN**2) + coarse_step(each) ** 2 / 12.0
+            for each, rests in pairs
             for rest in rests
         ]
         return np.sqrt(squares)
@@ -201,8 +200,9 @@ def breakaways_of(problem: Problem) -> Breakaways:
     rests = []
     for experiment, used in zip(problem.experiments, problem.used, strict=True):
         readings = np.where(used, experiment.position, np.nan)
-        is_told = coarse_step(experiment) == 0.0 or problem.comes_in_steps(experiment)
-        rests.append(rests_in(experiment, readings) if is_told else [])
+        step = coarse_step(experiment)
+        is_told = step == 0.0 or problem.comes_in_steps(experiment)
+        rests.append(rests_in(readings, experiment.noise, step) if is_told else [])
     return Breakaways(problem, rests)
 
 

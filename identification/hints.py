@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -147,6 +148,7 @@ def nearby(periods: list[float], duration: float) -> list[float]:
     return [float(duration / (QUARTER_WAVE * count)) for count in every if count * QUARTER_WAVE >= HALF_WAVE]
 
 
+@lru_cache(maxsize=8)
 def coarse_step(experiment: Experiment) -> float:
     """Return the step of the coarse grid that readings lie on, 0 where they lie on none. [m]
 

@@ -65,9 +65,12 @@ def rests_of(position: np.ndarray, noise: float) -> Iterator[Rest]:
         first = last + 1
 
 
-def rests_in(experiment: Experiment, readings: np.ndarray) -> list[Rest]:
-    """Return the rests that some of an experiment's readings show, shape (n,), NaN where nothing counts. [m]"""
-    return list(rests_of(readings, max(experiment.noise, OF_A_STEP * coarse_step(experiment))))
+def rests_in(readings: np.ndarray, noise: float, step: float) -> list[Rest]:
+    """Return the rests of a stem that end while it is looked at, of readings that may come in coarse steps, else 0. [m]
+
+    Parameters are those of `rests_of`.
+    """
+    return list(rests_of(readings, max(noise, OF_A_STEP * step)))
 
 
 def drift_of(readings: np.ndarray) -> float:
@@ -76,14 +79,23 @@ def drift_of(readings: np.ndarray) -> float:
     return float(places @ readings / np.sqrt(places @ places))
 
 
+@dataclass(frozen=True, eq=False)
 class RestedExperiment(Experiment):
-    """An experiment whose runs are put anew on each rest, just before it ends: each slip is judged by itself."""
+    """An experiment whose runs are put anew on each rest, just before it ends: each slip is judged by itself.
+
+    Attributes
+    ----------
+    step : float [m]
+        Coarse step in which its readings come, 0 where they come in none.
+    """
+
+    step: float = 0.0
 
     @cached_property
     def anchors(self) -> np.ndarray:
         """Mean readings of the rests, at their last sample but one, NaN elsewhere, shape (n,). [m]"""
         anchors = np.full(len(self.time), np.nan)
-        for rest in rests_in(self, self.position):
+        for rest in rests_in(self.position, self.noise, self.step):
             anchors[rest.last - 1] = rest.position
         return anchors
 
@@ -91,4 +103,4 @@ class RestedExperiment(Experiment):
 def put_on_rests(experiment: Experiment, reach: float) -> RestedExperiment:
     """Return an experiment whose runs are put anew on each rest, and whose large errors count by the logarithm."""
     given = {field.name: getattr(experiment, field.name) for field in fields(Experiment)}
-    return RestedExperiment(**{**given, "reach": reach})
+    return RestedExperiment(**{**given, "reach": reach}, step=coarse_step(experiment))

@@ -173,7 +173,7 @@ def change_of(residual: np.ndarray, left: np.ndarray, basis: np.ndarray) -> np.n
 
 
 def beside_own(residual: np.ndarray, basis: np.ndarray) -> np.ndarray:
-    """Return what residuals, shape (r,), are beside whatever a fit's own unknowns can do, by its basis of that."""
+    """Return what residuals, shape (r,) or (r, m), are beside whatever a fit's own unknowns do, by a basis of that."""
     return np.asarray(residual - basis @ (basis.T @ residual))
 
 

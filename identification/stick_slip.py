@@ -188,8 +188,8 @@ def error_at_rests(problem: Problem, point: np.ndarray) -> float:
 
 def on_rests(problem: Problem) -> Problem:
     """Return the problem whose runs are put anew on each rest: each slip is judged by itself."""
-    rested = [put_on_rests(experiment, REACH) for experiment in of_positions(problem).experiments]
-    return replace(problem, experiments=rested, is_anchored=True)
+    rested = [put_on_rests(experiment, REACH) for experiment in problem.experiments]
+    return of_positions(replace(problem, experiments=rested, is_anchored=True))
 
 
 def of_positions(problem: Problem) -> Problem:
