@@ -15,7 +15,7 @@ from identification.bent_at_will import bent_at_will
 from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
-from identification.hints import begins_at_periods
+from identification.hints import begins_at_periods, coarse_step
 from identification.holdout import Holdout
 from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, line_of_stairs
 from valvemodel.declarations import Effect
@@ -130,7 +130,7 @@ def beside_coarse_steps(
 
     Parameters are those of `beside_slips`.
     """
-    readings = [each.fit for each in alone if is_read_off(each) and each.fit.problem.is_in_steps]
+    readings = [each.fit for each in alone if is_read_off(each) and any(map(coarse_step, each.fit.problem.experiments))]
     in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
     laws = [key for key in alone_of(alone) if effect_of_key(key).breakaway]
     work = [Work(fit, (*fit.model.effects, law), True) for fit in in_stairs for law in laws]

@@ -98,6 +98,18 @@ def test_what_makes_a_stem_jump_is_found_beside_a_coarse_reading(coarse):
     assert asked[0].is_global
 
 
+def test_a_display_is_no_coarse_reading_to_search_on_top_of(drifting, monkeypatch):
+    """Its step is far below the noise: all that it shows is tried on a fine reading."""
+    _, holdout, base = drifting
+    shown = extend(base, "quantisation")
+    assert shown.problem.is_in_steps
+    assert shown.problem.step < shown.problem.experiments[0].noise
+    alone = [Candidate((), base, score_fit(base, holdout))]
+    alone += [replace(alone[0], effects=("quantisation",), fit=shown), replace(alone[0], effects=("static_friction",))]
+    monkeypatch.setattr(slips, "try_all", lambda work, *_: [pytest.fail("searched")] if work else [])
+    assert slips.beside_coarse_steps(alone, holdout, None, lambda *_: None) == []
+
+
 @pytest.fixture(scope="module")
 def swaying(given):
     """A plant that jumps under a load that varies at will."""
