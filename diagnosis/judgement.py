@@ -150,6 +150,7 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
         evidence -= COST_STOPS * np.array(
             [not can_stop(each) and not explains(each, candidates[0]) for each in candidates]
         )
+    evidence = no_more_than_a_part(evidence, candidates)
     ends = [number for number, each in enumerate(candidates) if each.effects and explains(each, candidates[0])]
     felt = are_felt(candidates)
     lost = lost_behind([number for number in ends if felt[number]], candidates) + lost_by_imitation(candidates)
@@ -166,6 +167,22 @@ def judge(candidates: Sequence[Candidate]) -> Judgement:
     named = np.logaddexp.reduce(support)
     share = min(math.exp(unknown - np.logaddexp(unknown, named)), SUREST_UNKNOWN)
     return Judgement((1.0 - share) * np.exp(support - named), share, evidence, lost)
+
+
+def no_more_than_a_part(evidence: np.ndarray, candidates: Sequence[Candidate]) -> np.ndarray:
+    """Return the evidence of causes, where one that comes no nearer than a part of it has no more than that part.
+
+    What its further effect might be missed by in another form excuses nothing where that effect takes in nothing.
+    """
+    least = evidence.copy()
+    for number, each in enumerate(candidates):
+        parts = [
+            evidence[other]
+            for other, part in enumerate(candidates)
+            if part.effects and set(part.effects) < set(each.effects) and misfit(part) <= misfit(each)
+        ]
+        least[number] = min([evidence[number], *parts])
+    return least
 
 
 def sharpness_of(base: Score) -> float:

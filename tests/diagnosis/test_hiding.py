@@ -130,6 +130,18 @@ def test_a_load_at_will_beside_a_law_of_jumps_is_judged_as_slips_are(monkeypatch
     assert unknown[True] < 0.3 < 0.5 < unknown[False]
 
 
+def test_a_law_of_jumps_that_brings_a_load_at_will_no_nearer_lends_it_no_form_of_slips(monkeypatch):
+    """A supply that droops, left out of the candidates, was taken for both, at six times the noise."""
+    monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
+    monkeypatch.setattr(judgement, "makes_slips", lambda each: "static_friction" in each.effects)
+    load = replace(candidate(38.7, "load_force"), has_series=True, freedom=5)
+    for left, is_unknown in ((44.4, True), (38.7, True), (11.0, False)):
+        jumping = replace(candidate(left, "load_force", "static_friction"), has_series=True, freedom=7)
+        judged = judge([candidate(350.0), load, jumping])
+        assert (judged.unknown > 0.8) == is_unknown
+        assert (judged.evidence[2] <= judged.evidence[1]) == is_unknown
+
+
 def test_what_explains_the_gap_needs_no_stops(monkeypatch):
     """Friction below notice lets the stem rest on its way as well."""
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: True)
