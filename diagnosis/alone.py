@@ -8,7 +8,8 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import WHAT, beside_coarse_steps, beside_slips
+from diagnosis.beside_slips import WHAT, beside_coarse_steps, beside_slips, speaks_for_slips
+from diagnosis.ending import do_two_explain, goes_in_jumps
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
@@ -19,6 +20,7 @@ from diagnosis.explaining import (
     nearly_explains,
     stops_seen,
 )
+from diagnosis.jointly import try_jointly
 from diagnosis.lags_beside_jumps import lags_beside_jumps
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, SHORTLIST, extensions, law_in_closed_form, left_alone
 from diagnosis.rivals import short_of_noise
@@ -78,13 +80,20 @@ def try_first(
     pool: Executor | None,
     progress: Progress,
     known: Sequence[Candidate] = (),
-) -> list[Candidate]:
+) -> tuple[list[Candidate], list[Candidate] | None]:
     """Try every effect alone, and what makes the stem jump beside what lags or bends the line through its breakaways.
 
     What a law of more numbers explains is tried with the one in closed form, and rivals that end short of the noise are
     searched about. Where one of two effects leaves no trace beside the other, that alone had ended beside the least
-    error. Where the stops are of a coarse reading nothing speaks for jumps. Beside causes that are known to explain the
-    record, besides the law in closed form, only what a local search finds is tried.
+    error. Where the stops are of a coarse reading, or two that are tried jointly explain the record, nothing speaks for
+    jumps. Beside causes that are known to explain the record, besides the law in closed form, only what a local search
+    finds is tried.
+
+    Returns
+    -------
+    tried : list of Candidate
+    together : list of Candidate or None
+        Pairs that were tried jointly on the way; None where that was not called for yet.
     """
     local, *searched = rounds(library)
     alone = [*try_by_promise(base, holdout, local, pool, progress), *known]
@@ -94,15 +103,24 @@ def try_first(
     jumping = [each for each in blunt(best_of(alone, 1), base) if misfit(each) < NEAR_ENOUGH * allowed(base)]
     alone = with_better(alone, sharpen_all(jumping, holdout, pool, progress))
     alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
-    tried = alone
+    tried, together = alone, None
     if not are_of_reading:
         tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
-        for beside in (beside_coarse_steps, beside_slips):
-            if not any_explains(tried):
-                tried += beside(alone, holdout, pool, progress)
+        if not any_explains(tried) and speaks_softly_for_slips(alone):
+            together = try_jointly(alone, holdout, pool, progress)
+        if not do_two_explain([*alone, *(together or ())]):
+            for beside in (beside_coarse_steps, beside_slips):
+                if not any_explains(tried):
+                    tried += beside(alone, holdout, pool, progress)
     tried = with_better(tried, try_all(law_in_closed_form(tried), holdout, pool, progress, WHAT))
     tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
-    return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one"))
+    return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one")), together
+
+
+def speaks_softly_for_slips(alone: Sequence[Candidate]) -> bool:
+    """Return whether a record may show stick-slip, but not in stairs nor by what comes nearest: two may be smooth."""
+    in_stairs = any(each.has_stairs for each in alone[0].fit.problem.experiments)
+    return not in_stairs and speaks_for_slips(alone) and not goes_in_jumps(best_of(alone, 1)[0])
 
 
 def in_phase(

@@ -75,18 +75,9 @@ def beside_slips(
         coarse reading comes nearer, one effect explains the gap, no line is bent and a law is not the best alone, or no
         two come nearer at the slips than a law alone.
     """
-    base = alone[0]
-    single = alone_of(alone)
-    laws = sorted((each for key, each in single.items() if effect_of_key(key).breakaway), key=misfit)
-    if not laws or any_explains(alone):
+    if not speaks_for_slips(alone):
         return []
-    far = min(SOME * misfit(base), FAR_OFF * min(map(misfit, alone[1:])))
-    has_stops = stops_seen(base.fit)
-    if not has_stops and misfit(laws[0]) > far:
-        return []
-    least = min(misfit(laws[0]), SOME * misfit(base))
-    if any(stops_by_reading(each) and misfit(each) < least for each in alone[1:]):
-        return []
+    base, single, laws, has_stops = alone[0], alone_of(alone), laws_alone(alone), stops_seen(alone[0].fit)
     line = straight_line(base.fit)
     on_top = beside_the_best(alone, laws[0])
     # Where all breakaways lie on the line as it is, only slips tell; a law that gains little alone has none there.
@@ -121,6 +112,25 @@ def beside_slips(
         return try_all(on_top or known, holdout, pool, progress, WHAT)
     brought = bent[0].effect.key if bent[0].line.is_explained and not line.is_explained else None
     return try_all(nearest_at_slips(looked, alone_at_slips[0].error, brought), holdout, pool, progress, WHAT)
+
+
+def speaks_for_slips(alone: Sequence[Candidate]) -> bool:
+    """Return whether a record may show stick-slip beside another effect: it stops, or a law alone comes near.
+
+    It need not where one effect explains the gap, or lets the reading rest while the stem moves on.
+    """
+    base, laws = alone[0], laws_alone(alone)
+    if not laws or any_explains(alone):
+        return False
+    far = min(SOME * misfit(base), FAR_OFF * min(map(misfit, alone[1:])))
+    least = min(misfit(laws[0]), SOME * misfit(base))
+    is_of_reading = any(stops_by_reading(each) and misfit(each) < least for each in alone[1:])
+    return (misfit(laws[0]) <= far or stops_seen(base.fit)) and not is_of_reading
+
+
+def laws_alone(alone: Sequence[Candidate]) -> list[Candidate]:
+    """Return the laws of stick-slip alone, the best first."""
+    return [each for each in best_of(alone, 1) if effect_of_key(each.effects[0]).breakaway]
 
 
 def beside_coarse_steps(

@@ -212,15 +212,20 @@ def left_alone(tried: Sequence[Candidate]) -> list[Work]:
 
 
 def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float]]) -> list[Work]:
-    """Return the best causes of two effects as work in the other order, where that begins with a fit at hand."""
-    alone = alone_of(tried)
-    pairs = [each.effects for each in best_of(tried, 2)[:REVERSED]]
+    """Return the best causes of two effects as work in the other order, where that begins with a fit at hand.
+
+    Where the best explain the record those that lie far behind it are left as they are.
+    """
+    alone, best = alone_of(tried), best_of(tried, 2)[:REVERSED]
+    far = NEAR_MISS * misfit(best[0]) if explains(best[0], tried[0]) else math.inf
+    pairs = [each.effects for each in best if misfit(each) < far]
     known = orders_of(tried)
-    return [
+    work = [
         Work(alone[second].fit, (second, first), False, single[first])
         for first, second in pairs
         if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
     ]
+    return worthwhile(work, tried)
 
 
 def on_what_explains(tried: Sequence[Candidate]) -> list[Work]:
@@ -368,12 +373,14 @@ def unless_slow_in_vain(work: Sequence[Work], best: Candidate, tried: Sequence[C
     hides in the base valve's numbers does not.
     """
     is_enough = leaves_nothing_to_tell(best, tried)
-    return promising_if_slow([each for each in work if not (is_enough and is_slow(each))])
+    called = [each for each in work if not (is_enough and is_slow(each))]
+    # What leaves some of what it was fitted to may stand in for what promises nothing from there.
+    return promising_if_slow(called, runs_long if nearly_explains(best, tried[0]) else is_slow)
 
 
-def promising_if_slow(work: Sequence[Work]) -> list[Work]:
+def promising_if_slow(work: Sequence[Work], is_dear_to_fit: Callable[[Work], bool]) -> list[Work]:
     """Return work, of which what begins on an effect that makes fits long must promise something by slopes."""
-    return [replace(each, promise=PROMISE_IF_SLOW) if is_slow(each) else each for each in work]
+    return [replace(each, promise=PROMISE_IF_SLOW) if is_dear_to_fit(each) else each for each in work]
 
 
 def called_on_slow(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
@@ -385,12 +392,17 @@ def called_on_slow(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Wor
     ends = [each for each in best_of(tried, size)[:1] if explains(each, tried[0])]
     if ends:
         return unless_slow_in_vain(work, ends[0], tried)
-    return promising_if_slow(work) if size > 2 else list(work)
+    return promising_if_slow(work, is_slow) if size > 2 else list(work)
 
 
 def is_slow(work: Work) -> bool:
     """Return whether fits on top of what a fit has are long: runs of its first effect are, or one has many numbers."""
-    return effect_of_key(work.effects[0]).takes_long or bool(of_many_numbers(work.fit.model))
+    return runs_long(work) or bool(of_many_numbers(work.fit.model))
+
+
+def runs_long(work: Work) -> bool:
+    """Return whether runs of the first effect take long."""
+    return effect_of_key(work.effects[0]).takes_long
 
 
 def nearly_together(tried: Sequence[Candidate]) -> list[Work]:

@@ -104,17 +104,17 @@ class Search:
         holdout, base = evenly_parted(holdout, base, model)
         experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
         first = Candidate((), base, score_fit(base, holdout))
-        tried = try_first(first, holdout, library, pool, progress)
+        tried, together = try_first(first, holdout, library, pool, progress)
         seen = stairs_beside(tried, experiments, holdout, model)
-        for further in (in_phase, try_together):
+        for further in (in_phase, partial(try_together, together=together)):
             if not seen:
                 tried = further(tried, holdout, pool, progress)
                 seen = stairs_beside(tried, experiments, holdout, model)
         if seen:
             experiments, holdout, base = seen
             first = Candidate((), base, score_fit(base, holdout))
-            tried = try_first_again(tried, first, holdout, library, pool, progress)
-            for further in (in_phase, try_together):
+            tried, together = try_first_again(tried, first, holdout, library, pool, progress)
+            for further in (in_phase, partial(try_together, together=together)):
                 tried = further(tried, holdout, pool, progress)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
 
@@ -126,7 +126,7 @@ def try_first_again(
     library: Sequence[Effect],
     pool: Executor | None,
     progress: Progress,
-) -> list[Candidate]:
+) -> tuple[list[Candidate], list[Candidate] | None]:
     """Try what is tried first once more, beside the two effects beside which stairs showed, fitted as these count.
 
     With them come the pairs that were near, and each effect alone that took a global search: where the two explain the
@@ -150,7 +150,8 @@ def try_first_again(
     again = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
     if explains(again[0], base):
         return try_first(base, holdout, library, pool, progress, again)
-    return with_better(try_first(base, holdout, library, pool, progress), again)
+    first, together = try_first(base, holdout, library, pool, progress)
+    return with_better(first, again), together
 
 
 def fitted_again(cause: Candidate, holdout: Holdout) -> Candidate:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 
-from diagnosis.explaining import AT_NOISE, allowed, any_explains, explains, is_fitted, leaves_nothing_to_tell, misfit
+from diagnosis.ending import gains, goes_in_jumps, is_enough, is_explained, is_told
+from diagnosis.explaining import AT_NOISE, allowed, any_explains, misfit
 from diagnosis.jointly import try_jointly
 from diagnosis.proposals import (
     LEADERS,
@@ -19,7 +20,6 @@ from diagnosis.proposals import (
     extensions,
     from_numbers_of_the_best,
     from_the_best,
-    gains_by_both,
     in_other_forms,
     jumps_anew,
     leaders_of,
@@ -34,7 +34,6 @@ from diagnosis.proposals import (
 )
 from diagnosis.rivals import aliases_of_best, ended_at_nothing, rivals_of_best, short_of_noise, two_that_gain
 from diagnosis.standing import (
-    alone_of,
     best_of,
     blunt,
     breaks_away,
@@ -43,7 +42,6 @@ from diagnosis.standing import (
     is_read_off,
     is_settled,
     is_worth_its_time,
-    stands_in,
     values_alone,
     with_better,
 )
@@ -62,7 +60,7 @@ from diagnosis.trying import (
 )
 from identification.holdout import Holdout
 from identification.restart import is_far_off
-from valvemodel.effects import effect_of_key, jumps
+from valvemodel.effects import effect_of_key
 
 MOST_EFFECTS = 3
 """Effects that a cause may have."""
@@ -85,7 +83,12 @@ LOOKED_BACK = 2
 
 
 def try_together(
-    first: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
+    first: Sequence[Candidate],
+    holdout: Holdout,
+    pool: Executor | None,
+    progress: Progress,
+    *,
+    together: Sequence[Candidate] | None = None,
 ) -> list[Candidate]:
     """Try further effects on top of the best, as long as unseen data gain from it.
 
@@ -96,6 +99,8 @@ def try_together(
     ----------
     first : sequence of Candidate
         The base, then the effects one by one, and the pairs that were tried already.
+    together : sequence of Candidate or None
+        Pairs that were tried jointly before; None where they are to be where that is called for.
     """
     base, tried = first[0], list(first)
     for size in range(2, MOST_EFFECTS + 1):
@@ -108,7 +113,8 @@ def try_together(
             tried = in_right_form(tried, holdout, pool, progress)
         formed = best_of(tried, 2)[:1]
         if size == 2 and not goes_in_jumps(order[0]):
-            tried = with_better(tried, try_jointly(tried, holdout, pool, progress))
+            joined = try_jointly(tried, holdout, pool, progress) if together is None else together
+            tried = with_better(tried, joined)
             tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
         if not is_told(tried) and not any(is_enough(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, holdout, pool, progress)
@@ -123,51 +129,6 @@ def try_together(
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
             break
     return tried
-
-
-def is_explained(tried: Sequence[Candidate], size: int) -> bool:
-    """Return whether what was tried leaves nothing for causes of so many effects to be looked for.
-
-    One effect must come near the noise, where two of the right kind do by both, and be none that may stand in for
-    anything; a third is looked for where two leave much.
-    """
-    if size > 2:
-        return any_explains(tried, generous=True)
-    base, *others = tried
-    ends = [each for each in others if explains(each, base) and not stands_in(each)]
-    alone = alone_of(tried)
-    return explains(base, base) or any(
-        gains_by_both(each, alone) if len(each.effects) > 1 else leaves_nothing_to_tell(each, tried) for each in ends
-    )
-
-
-def is_enough(candidate: Candidate, base: Candidate) -> bool:
-    """Return whether a cause explains the record, and comes to the noise if it may stand in for others.
-
-    Coarse readings tell little of what was kept back: by them alone it must leave but noise of what it was fitted to.
-    """
-    if is_read_off(candidate) and not is_fitted(candidate):
-        return False
-    return explains(candidate, base) and (misfit(candidate) < AT_NOISE or not stands_in(candidate))
-
-
-def is_told(tried: Sequence[Candidate]) -> bool:
-    """Return whether the nearest two effects explain the record by both, and neither may stand in for anything.
-
-    At the noise none of few numbers can come nearer.
-    """
-    alone = alone_of(tried)
-    return any(is_enough(each, tried[0]) and gains_by_both(each, alone) for each in best_of(tried, 2)[:1])
-
-
-def gains(candidate: Candidate, other: Candidate) -> bool:
-    """Return whether a cause leaves less beyond the noise than another of fewer effects."""
-    return misfit(candidate) - 1.0 <= NO_GAIN * max(misfit(other) - 1.0, 0.0)
-
-
-def goes_in_jumps(candidate: Candidate) -> bool:
-    """Return whether the readings go in slips or in steps by a cause, so that small changes tell little."""
-    return is_read_off(candidate) or jumps(candidate.effects)
 
 
 def on_top_of_the_best(
