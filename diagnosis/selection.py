@@ -34,6 +34,7 @@ from diagnosis.proposals import (
 )
 from diagnosis.rivals import aliases_of_best, ended_at_nothing, rivals_of_best, short_of_noise, two_that_gain
 from diagnosis.standing import (
+    as_tried,
     best_of,
     blunt,
     breaks_away,
@@ -118,15 +119,15 @@ def try_together(
             tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
         if not is_told(tried) and not any(is_enough(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, holdout, pool, progress)
-        best = best_of(tried, size)
-        if not best or not gains(best[0], order[0]):
+        best, fewer = best_of(tried, size), as_tried(order[0], tried)
+        if not best or not gains(best[0], fewer):
             break
         if size == 2:
             tried = with_kindred(tried, holdout, pool, progress, formed)
         led = leading_pair(tried)
         tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), holdout, pool, progress))
         tried = exchanged_anew(tried, led, holdout, pool, progress)
-        if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(order[0]):
+        if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(fewer):
             break
     return tried
 
@@ -165,7 +166,12 @@ def on_top_of_the_best(
         known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
         known = with_better(known, sharpen_all(ended_at_nothing(known), holdout, pool, progress))
     best = best_of(known, size)
-    if not best or not gains(best[0], order[0]) or settles(best[0]) or (size == 2 and is_out_of_reach(known)):
+    if (
+        not best
+        or not gains(best[0], as_tried(order[0], known))
+        or settles(best[0])
+        or (size == 2 and is_out_of_reach(known))
+    ):
         return known
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]

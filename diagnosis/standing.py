@@ -38,6 +38,11 @@ def best_of(tried: Sequence[Candidate], size: int) -> list[Candidate]:
     return sorted((each for each in tried if len(each.effects) == size), key=misfit)
 
 
+def as_tried(cause: Candidate, tried: Sequence[Candidate]) -> Candidate:
+    """Return a cause as it came nearest since it was tried."""
+    return min((each for each in tried if set(each.effects) == set(cause.effects)), key=misfit)
+
+
 def alone_of(tried: Sequence[Candidate]) -> dict[str, Candidate]:
     """Return the causes of one effect by its key, in the order in which they were tried."""
     return {each.effects[0]: each for each in tried if len(each.effects) == 1}

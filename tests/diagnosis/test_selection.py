@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from diagnosis import alone as singles
-from diagnosis import ending, proposals, rivals, selection, trying
+from diagnosis import ending, proposals, rivals, selection, standing, trying
 from diagnosis.explaining import AT_NOISE, explains
 from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
 from diagnosis.standing import (
@@ -535,6 +535,24 @@ def test_on_what_has_many_numbers_another_must_promise_something_where_two_expla
     asked.clear()
     selection.on_top_of_the_best(tried, tried[3:4], None, None, lambda what, share: None)
     assert [each.promise for each in asked[:2]] == [proposals.PROMISE_IF_SLOW, 0.0]
+
+
+@pytest.mark.parametrize(("nearer", "is_followed"), [(1.65, False), (2.4, True)])
+def test_what_gains_nothing_over_a_single_effect_as_that_came_nearest_is_not_followed(monkeypatch, nearer, is_followed):
+    """All on top of static friction took 50 s: beside unequal filling it had led that one out of a side minimum."""
+    alone = [candidate(2.5, "asymmetric_filling"), candidate(80.0, "static_friction")]
+    pair, leaders = candidate(1.6, "asymmetric_filling", "static_friction"), []
+    tried = [candidate(90.0), *alone, pair]
+    monkeypatch.setattr(selection, "extensions", lambda causes, *_: leaders.append(causes) or [])
+    monkeypatch.setattr(selection, "left_alone", lambda _: ["nearer"])
+    for name in ("ended_at_nothing", "reversed_pairs", "sharpen_all"):
+        monkeypatch.setattr(selection, name, lambda *_: [])
+    monkeypatch.setattr(
+        selection, "try_all", lambda work, *_: [candidate(nearer, "asymmetric_filling")] if "nearer" in work else []
+    )
+    found = selection.on_top_of_the_best(tried, alone[:1], None, None, lambda what, share: None)
+    assert [alone[1]] in leaders if is_followed else [alone[1]] not in leaders
+    assert standing.as_tried(alone[0], found).score.misfit == nearer
 
 
 @pytest.mark.parametrize(("left", "behind", "is_tried"), [(1.1, 4.1, True), (1.1, 1.11, False), (3.0, 9.0, False)])
