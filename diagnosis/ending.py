@@ -49,18 +49,13 @@ def is_told(tried: Sequence[Candidate]) -> bool:
 
     At the noise none of few numbers can come nearer.
     """
+    return do_explain(best_of(tried, 2)[:1], tried)
+
+
+def do_explain(pairs: Sequence[Candidate], tried: Sequence[Candidate]) -> bool:
+    """Return whether one of some pairs explains the record by both effects, and neither may stand in for anything."""
     alone = alone_of(tried)
-    return any(is_enough(each, tried[0]) and gains_by_both(each, alone) for each in best_of(tried, 2)[:1])
-
-
-def do_two_explain(tried: Sequence[Candidate]) -> bool:
-    """Return whether any two effects explain the record by both, of which neither may stand in for anything.
-
-    What makes the stem jump leaves far more to two smooth ones: of eight blind plants of our own seven times the noise
-    at least.
-    """
-    alone = alone_of(tried)
-    return any(is_enough(each, tried[0]) and gains_by_both(each, alone) for each in best_of(tried, 2))
+    return any(is_enough(each, tried[0]) and gains_by_both(each, alone) for each in pairs)
 
 
 def gains(candidate: Candidate, other: Candidate) -> bool:
