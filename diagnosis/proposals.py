@@ -111,6 +111,9 @@ def extensions(
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
     fits = {key: each.fit for key, each in alone_of(tried).items()}
+    # What an effect came to where it explained nothing leads astray beside what explains much.
+    led = {each.effects[0] for each in best_of(tried, 1) if misfit(each) < NO_GAIN * misfit(tried[0])}
+    led |= {key for key in single if effect_of_key(key).is_read_off}
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if effect_of_key(key).is_read_off]
     # What comes close to no effect promises little by slopes, and shows where little is left.
@@ -144,7 +147,7 @@ def extensions(
                 (own,) = leader.effects
                 work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
             else:
-                work.append(Work(leader.fit, effects, is_global, single[key]))
+                work.append(Work(leader.fit, effects, is_global, single[key] if key in led else None))
     return worthwhile(work, tried)
 
 

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from identification.breakaway import Line
 from identification.fit import Fit, finished
-from identification.hints import starts_of
+from identification.hints import other_forms, starts_of
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.restart import is_far_off
@@ -243,6 +243,10 @@ def extended(
         # Another form may be lost in a side minimum: it goes on from where the best one came, too.
         others = {form_of(effect, each): each for each, _ in searched if is_another_form(effect, each, problem)}
         begun += [(each, best.point) for each in others.values()]
+        if effect.is_read_off:
+            # Taken for noise, the steps may have hidden which form of the others is right.
+            on_top_of = map(effect_of_key, fit.model.effects)
+            begun += [(each, best.point) for other in on_top_of for each in in_other_forms(other, problem)]
     ended = [(each, descend_to_end(each, point)) for each, point in begun]
     return finished(*min(ended, key=lambda pair: pair[1].error))
 
@@ -299,8 +303,17 @@ def beside_steps(
     most = max(fit.found.error, IN_REACH * fit.problem.noise_error)
     if begun.found.error >= noisy.found.error or float(errors(in_steps, start[None, :])[0]) > most:
         return finished(*at_neutral(fit, effect))
-    problem, ended = released_at_end(in_steps, start)
+    # Taken for noise, the steps may hide which form is right.
+    ends = [released_at_end(each, start) for each in (in_steps, *in_other_forms(effect, in_steps))]
+    problem, ended = min(ends, key=lambda pair: pair[1].error)
     return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))
+
+
+def in_other_forms(effect: Effect, problem: Problem) -> list[Problem]:
+    """Return a problem with an effect in each of its other forms in which the same numbers move."""
+    values = dict(problem.model.effects[effect.key])
+    forms = [each for each in other_forms(effect, values) if effect.free_at(each) == effect.free_at(values)]
+    return [replace(problem, model=problem.model.with_effect(effect.key, **each)) for each in forms]
 
 
 def released_at_end(problem: Problem, point: np.ndarray) -> tuple[Problem, Found]:

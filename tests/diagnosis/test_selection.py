@@ -354,6 +354,18 @@ def test_what_is_read_off_a_residual_is_tried_on_top_of_the_fit_that_leaves_it(m
     assert [each.effects for each in work] == ([pair.effects] if is_tried else [])
 
 
+@pytest.mark.parametrize(("alone", "is_begun_there"), [(89.0, False), (70.0, True)])
+def test_what_an_effect_came_to_alone_is_no_start_where_it_explained_nothing(monkeypatch, alone, is_begun_there):
+    """Choked flow beside a tight spot had ended at seven times the noise from there, and its own starts lead to one."""
+    monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
+    monkeypatch.setattr(proposals, "shortlist", lambda *_: ["choked_flow", "quantisation"])
+    leader, single = candidate(20.0, "position_dependent_friction"), {"choked_flow": {"size": alone}}
+    tried = [candidate(90.0), leader, candidate(alone, "choked_flow"), candidate(95.0, "quantisation")]
+    work = extensions([leader], tried, single | {"quantisation": {"size": 95.0}}, 6, None)
+    # What is read off the record is as it was read.
+    assert [each.known for each in work] == [single["choked_flow"] if is_begun_there else None, {"size": 95.0}]
+
+
 def test_a_load_of_one_wave_that_was_followed_together_is_tried_on_top_as_many(monkeypatch):
     monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
     monkeypatch.setattr(proposals, "shortlist", lambda *_: ["load_force"])

@@ -9,6 +9,8 @@ from blind_fits import base_of_plant, fits_to_plant
 from identification.extension import extend
 from identification.search import descend_to_end
 
+FRICTION = "pressure_dependent_friction"
+
 
 @pytest.mark.parametrize(
     ("seed", "profile", "nuisance"), [(1748376440, 1841907097, True), (9403, None, False), (9404, None, False)]
@@ -76,3 +78,12 @@ def test_an_effect_is_found_beside_a_coarse_reading_that_is_explained_but_for_fe
     # Stated at 0.2 m of a stiffening with the square of the travel.
     truth = plant.effects[0].parameters["stiffening"] / 0.2**2
     assert found.model.effects["spring_hardening"]["spring_hardening"] == pytest.approx(truth, rel=0.5)
+
+
+@pytest.mark.parametrize("order", [("quantisation", FRICTION), (FRICTION, "quantisation")])
+def test_steps_that_were_taken_for_noise_hide_no_form_of_what_is_beside_them(order, tmp_path):
+    """Friction that grows with the square of the pressure had been taken for one that grows with it, a hair behind."""
+    _, base = base_of_plant(1087214335, (FRICTION, "quantisation"), tmp_path, profile=996414304, nuisance=True)
+    found = extend(extend(base, order[0]), order[1])
+    assert found.model.effects[FRICTION]["friction_pressure_order"] == 2.0
+    assert found.found.error < found.problem.noise_error
