@@ -243,12 +243,8 @@ def extended(
         # Another form may be lost in a side minimum: it goes on from where the best one came, too.
         others = {form_of(effect, each): each for each, _ in searched if is_another_form(effect, each, problem)}
         begun += [(each, best.point) for each in others.values()]
-        if effect.is_read_off:
-            # Taken for noise, the steps may have hidden which form of the others is right.
-            on_top_of = map(effect_of_key, fit.model.effects)
-            begun += [(each, best.point) for other in on_top_of for each in in_other_forms(other, problem)]
-    ended = [(each, descend_to_end(each, point)) for each, point in begun]
-    return finished(*min(ended, key=lambda pair: pair[1].error))
+    ended = min(((each, descend_to_end(each, point)) for each, point in begun), key=lambda pair: pair[1].error)
+    return finished(*(in_best_form_of_others(fit, *ended) if effect.is_read_off else ended))
 
 
 @threadpool_limits.wrap(limits=1)
@@ -303,17 +299,28 @@ def beside_steps(
     most = max(fit.found.error, IN_REACH * fit.problem.noise_error)
     if begun.found.error >= noisy.found.error or float(errors(in_steps, start[None, :])[0]) > most:
         return finished(*at_neutral(fit, effect))
-    # Taken for noise, the steps may hide which form is right.
-    ends = [released_at_end(each, start) for each in (in_steps, *in_other_forms(effect, in_steps))]
-    problem, ended = min(ends, key=lambda pair: pair[1].error)
+    problem, ended = in_best_form(effect, *released_at_end(in_steps, start))
     return finished(*((problem, ended) if ended.error < fit.found.error else at_neutral(fit, effect)))
 
 
-def in_other_forms(effect: Effect, problem: Problem) -> list[Problem]:
-    """Return a problem with an effect in each of its other forms in which the same numbers move."""
+def in_best_form(effect: Effect, problem: Problem, ended: Found) -> tuple[Problem, Found]:
+    """Follow each other form of an effect in which the same numbers move from where one ended; return the best.
+
+    Steps that are taken for noise may hide which form is right.
+    """
     values = dict(problem.model.effects[effect.key])
     forms = [each for each in other_forms(effect, values) if effect.free_at(each) == effect.free_at(values)]
-    return [replace(problem, model=problem.model.with_effect(effect.key, **each)) for each in forms]
+    others = [replace(problem, model=problem.model.with_effect(effect.key, **each)) for each in forms]
+    ends = [(problem, ended), *(released_at_end(each, ended.point) for each in others)]
+    return min(ends, key=lambda pair: pair[1].error)
+
+
+def in_best_form_of_others(fit: Fit, problem: Problem, ended: Found) -> tuple[Problem, Found]:
+    """Follow the other forms of a fit's effects, to which steps were noise, where these explain much beside them."""
+    if ended.error < WORTH_FOLLOWING * fit.found.error:
+        for key in fit.model.effects:
+            problem, ended = in_best_form(effect_of_key(key), problem, ended)
+    return problem, ended
 
 
 def released_at_end(problem: Problem, point: np.ndarray) -> tuple[Problem, Found]:
@@ -333,7 +340,7 @@ def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = 
     if effect.is_read_off:
         # A fit that took the steps for noise may have led astray what it freed.
         problem, point = joined(*withheld(fit.problem, fit.found.point), effect, values)
-        return finished(*released_at_end(problem, point))
+        return finished(*in_best_form_of_others(fit, *released_at_end(problem, point)))
     start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
     problem, best = followed(fit, effect, [start], hopeless=hopeless_from(fit, worth))
     return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
