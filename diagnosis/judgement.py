@@ -280,10 +280,6 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     """
     lost, others = np.zeros(len(candidates)), [candidates[end] for end in ends]
 
-    def left(each: Candidate, beside: Candidate) -> float:
-        # The noise of a coarse reading is known from above only: which cause leaves less of it tells nothing.
-        return max(misfit(each), 1.0) if reads_coarsely(each) or reads_coarsely(beside) else misfit(each)
-
     def beyond(each: Candidate, other: Candidate) -> float:
         takes_most = misfit(other) < max(AT_NOISE, 1.0 + MOST_LEFT * (misfit(each) - 1.0))
         share = FORM_BESIDE if takes_most and not makes_slips(other) else 1.0
@@ -292,12 +288,14 @@ def lost_behind(ends: Sequence[int], candidates: Sequence[Candidate]) -> np.ndar
     unit_of_form = float(np.clip(BEHIND_SHARE * misfit(candidates[0]), BEHIND, BEHIND_A_LAW))
 
     def behind(each: Candidate, other: Candidate, allowed: float, unit: float = BEHIND) -> float:
-        more, is_of_law = left(each, each) - left(other, each), differ_by_law(each, other)
-        if is_of_law:
-            # A hair may decide on slips that were kept back: a law lies behind in what was fitted as well.
-            more = min(more, left_of_fitted(each) - left_of_fitted(other))
-        is_rough = is_of_law or reads_coarsely(each) or reads_coarsely(other)
-        return (more - allowed) / (BEHIND_A_LAW if is_rough else unit)
+        is_coarse = reads_coarsely(each) or reads_coarsely(other)
+        # The noise of a coarse reading is known from above only: which cause leaves less of it tells nothing.
+        floor = 1.0 if is_coarse else 0.0
+        unseen, fitted = (max(of(each), floor) - max(of(other), floor) for of in (misfit, left_of_fitted))
+        if not (is_coarse or differ_by_law(each, other)):
+            return (unseen - allowed) / unit
+        # A hair may decide on what was kept back of slips or coarse steps: it lies behind in what was fitted as well.
+        return (min(unseen, fitted) - allowed) / BEHIND_A_LAW
 
     for number, each in enumerate(candidates):
         losses = [

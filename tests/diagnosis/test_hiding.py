@@ -192,6 +192,9 @@ def test_which_cause_leaves_less_of_a_coarse_reading_than_the_noise_tells_nothin
     pairs = [("area_variation", "quantisation"), ("spring_hardening", "quantisation"), ("gap_drift", "quantisation")]
     tried = [candidate(90.0), *(candidate(misfit, *pair) for misfit, pair in zip((0.1, 0.6, 1.1), pairs, strict=True))]
     assert judge(tried).lost[1:] == pytest.approx([0.0, 0.0, 1.0])
+    # Nor does what lies behind only in what was kept back, few steps of which tell: a lag beside steps had won.
+    tried[3].fit.found.error = 40.0
+    assert judge(tried).lost[1:] == pytest.approx([0.0, 0.0, 0.0])
 
 
 def test_what_lies_behind_by_more_than_the_error_cannot_be_taken_for_a_cause(monkeypatch):
