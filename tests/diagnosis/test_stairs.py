@@ -298,10 +298,11 @@ def test_two_effects_beside_which_stairs_showed_are_kept_and_spare_a_search_wher
 
     def first_again(base, holdout, library, pool, progress, pairs=()):
         known.extend(pairs)
-        return [base, first, *pairs]
+        return [base, first, *pairs], None
 
     monkeypatch.setattr(searching, "try_first", first_again)
-    found = searching.try_first_again(tried, tried[0], holdout, [], None, lambda *_: None)
+    found, together = searching.try_first_again(tried, tried[0], holdout, [], None, lambda *_: None)
+    assert together is None
     again = [("load_force", "static_friction"), ("load_force", "stribeck"), ("static_friction",)]
     assert [each.effects for each in known] == again * is_known
     assert [each.effects for each in found] == [(), ("coil_lag",), *again]

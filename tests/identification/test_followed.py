@@ -93,6 +93,7 @@ def test_what_is_no_nearer_within_coarse_steps_is_left(monkeypatch, left, is_fol
         return problem, Found(point, 1.0)
 
     monkeypatch.setattr(extension, "released_at_end", released_at_end)
+    monkeypatch.setattr(extension, "in_best_form", lambda effect, problem, ended: (problem, ended))
     fit, effect = fit_of(900.0, "quantisation"), effect_of_key("coil_lag")
     found = extension.beside_steps(fit, effect, None, is_global=False, promise=0.0, follows_all=False)
     assert followed == ([0.5] if is_followed else [])
