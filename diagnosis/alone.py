@@ -109,7 +109,7 @@ def try_first(
         if not any_explains(tried) and speaks_softly_for_slips(alone):
             together = try_jointly(alone, holdout, pool, progress)
         # What makes the stem jump leaves far more than that to two smooth ones: of eight blind plants of our own seven
-        # times the noise at least.
+        # times the noise at least, squared.
         if not do_explain(together or (), alone):
             for beside in (beside_coarse_steps, beside_slips):
                 if not any_explains(tried):

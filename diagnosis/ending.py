@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from diagnosis.explaining import (
-    AT_NOISE,
-    any_explains,
-    explains,
-    is_fitted,
-    leaves_nothing_to_tell,
-    misfit,
-)
+from diagnosis.explaining import AT_NOISE, any_explains, explains, is_fitted, leaves_nothing_to_tell, misfit
 from diagnosis.proposals import NO_GAIN, gains_by_both
 from diagnosis.standing import alone_of, best_of, is_read_off, stands_in
 from diagnosis.trying import Candidate

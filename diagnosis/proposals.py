@@ -111,11 +111,10 @@ def extensions(
     worth = [each for each in better if is_worth_its_time(each, tried[0], EXPLAINS_SOME)]
     alone = [each.effects[0] for each in unlike(worth)[:BEST_ALONE]]
     fits = {key: each.fit for key, each in alone_of(tried).items()}
-    # What an effect came to where it explained nothing leads astray beside what explains much.
-    led = {each.effects[0] for each in best_of(tried, 1) if misfit(each) < NO_GAIN * misfit(tried[0])}
-    led |= {key for key in single if effect_of_key(key).is_read_off}
     # What has no numbers to fit costs one run, and a promise by slopes says little of it.
     plain = [key for key in single if effect_of_key(key).is_read_off]
+    # What an effect came to where it explained nothing leads astray beside what explains much.
+    led = {*plain, *(each.effects[0] for each in better if misfit(each) < NO_GAIN * misfit(tried[0]))}
     # What comes close to no effect promises little by slopes, and shows where little is left.
     hiding = [key for key in single if may_hide(key)]
     has_cause = bool(alone) and effect_of_key(alone[0]).stops_again
