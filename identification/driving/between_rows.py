@@ -10,7 +10,7 @@ import numpy as np
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level
-from identification.timing import END_OF_PERIOD
+from identification.timing import END_OF_PERIOD, SAME_PACE
 from identification.uncertainty import rms_of
 from valvemodel.effects import takes_long
 from valvemodel.periods import jumps, passing_otherwise, straight
@@ -55,9 +55,6 @@ NEARER, NEARER_IF_SEEN = 0.88, 1.1
 """Error with a current that moves on over that with a held one, on the same readings and each with the base fitted to
 them, below which that shows it moves on, and where jumps show it. Of 336 records of 48 blind valves with held currents
 7 were taken to have moved on so, all but one of valves slow to answer; of 144 records in which it did 125 were."""
-
-SAME_PACE = 1.5
-"""Factor within which the rows of two records follow each other as fast."""
 
 SURE = 0.5
 """Readings that depend by more than this on what the current did between the rows are left out. [noise]"""

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from identification.adequacy import NOISELESS
-from identification.driving.between_rows import COUNTS, without_doubtful
+from identification.driving.between_rows import COUNTS, SLOW, without_doubtful
 from identification.driving.smoothing import smoothed
 from identification.experiment import Experiment, Simulated
 from identification.fit import Fit, fitted_to_all, measured, simulate_model
@@ -135,8 +135,12 @@ def _travel(experiment: Experiment) -> float:
 
 
 def _noise_of(experiment: Experiment) -> tuple[float, float]:
-    """Return the white noise of a current as it is recorded and the step to which it is rounded. [A]"""
-    return noise_level(experiment.current), reading_step(experiment.current)
+    """Return the white noise of a current as it is recorded and the step to which it is rounded. [A]
+
+    Of slow rows nobody knows the noise: a current that goes its way from one to the next looks like that.
+    """
+    white = noise_level(experiment.current) if experiment.period < SLOW else 0.0
+    return white, reading_step(experiment.current)
 
 
 def _whole(white: float, step: float) -> float:

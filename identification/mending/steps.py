@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from identification.mending.clocks import check_clocks
+from identification.mending.dropouts import without_dropouts
 from identification.mending.filled_in import without_filled_in
 from identification.mending.row_times import evenly_timed, with_lost_rows
 from identification.mending.spikes import without_spikes
 from identification.mending.stretches import longest_stretch
 from valvemodel.records import Record
 
-STEPS = (without_filled_in, evenly_timed, without_spikes, longest_stretch, with_lost_rows)
+STEPS = (without_filled_in, evenly_timed, without_spikes, without_dropouts, longest_stretch, with_lost_rows)
 """In their order; each returns the record as it is from then on, and says what it did."""
 
 

@@ -27,7 +27,7 @@ from identification.experiment import Experiment, score_rows, simulate_rows
 from identification.fit import Fit, fit_base
 from identification.outcome import fit_records
 from identification.problem import SEARCH_TOLERANCE
-from identification.timing import END_OF_PERIOD, experiments_of
+from identification.timing import END_OF_PERIOD, are_read_at_end, experiments_of
 from valvemodel.model import Model
 from valvemodel.periods import finer, jumps, passing, passing_otherwise
 from valvemodel.records import Record
@@ -155,6 +155,17 @@ def test_a_current_that_is_held_from_row_to_row_stays_so(rate, reads_at_end, giv
     assert rate == 1.0 or len(answers_in_row(moving_on(experiments[0]))) >= 3
     assert moving_between_rows(experiments, base) == experiments
     assert said_of_motion([END_OF_PERIOD], experiments, experiments) == [END_OF_PERIOD] * reads_at_end
+
+
+def test_rows_that_miss_what_the_current_did_say_nothing_of_a_record_at_another_pace(driven, slow):
+    as_driven = record_of(driven)
+    without_steps = Record.from_arrays(
+        name="calm", time=as_driven.time[:400], current=np.full(400, 8e-3), position=as_driven.position[:400]
+    )
+    assert are_read_at_end([as_driven, slow]) == [False, True]
+    assert are_read_at_end([slow, slow]) == [True, True]
+    assert are_read_at_end([without_steps, slow]) == [True, True]
+    assert are_read_at_end([without_steps, as_driven]) == [False, False]
 
 
 def test_what_one_record_shows_is_true_of_another_at_its_pace(driven, slow, given):

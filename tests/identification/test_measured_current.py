@@ -122,3 +122,12 @@ def test_a_fit_says_so_and_is_near_the_valve(given, measured):
     assert any("measured with noise" in warning for warning in outcome.warnings)
     friction = next(each for each in outcome.parameters if each.name == "coulomb_friction")
     assert friction.value == pytest.approx(PLANT.base["coulomb_friction"], rel=0.1)
+
+
+@pytest.mark.parametrize(("rate", "is_asked"), [(10.0, True), (1.0, False)])
+def test_the_way_of_a_current_between_slow_rows_is_not_taken_for_noise(profile, rate, is_asked):
+    time, current = profile
+    every = round(50.0 / rate)
+    rough = current + 1e-3 * np.random.default_rng(3).standard_normal(len(time))
+    (experiment,), _ = experiments_of([record_of(time, rough, rough).at_rows(slice(None, None, every))])
+    assert may_be_noisy(experiment) == is_asked
