@@ -20,9 +20,9 @@ HIDES = 1.1
 MOST_SAID = 2
 """Effects that are said to hide beside a cause."""
 
-ASTRAY, SMALLER = 2.0, 0.3
+ASTRAY, SMALLER, SMALLEST = 2.0, 0.3, 0.1
 """Factor in squared error from which an effect at its strongest start has led a cause into a side minimum, and the
-share of that start from which it is tried once more."""
+shares of that start from which it is tried once more, and then where the stem sticks."""
 
 FELT = 1.0
 """Change of the readings, in units of the noise, from which an effect is there and does not need to be shown."""
@@ -64,10 +64,12 @@ def with_hidden(
         return list(tried), said(beside, best)
     unfelt = [each.effects[0] for each in tried if len(each.effects) == 1 and (best.effects or each.trace < FELT)]
     keys = [key for key in unfelt if effect_of_key(key).hides_in_base and key not in best.effects]
-    found = try_all([beside_at(best, key) for key in keys], holdout, pool, progress, "what may hide")
-    astray = [each.effects[-1] for each in found if misfit(each) > ASTRAY * misfit(best)]
-    found += try_all([beside_at(best, key, SMALLER) for key in astray], holdout, pool, progress, "what may hide")
-    hidden = sorted((each for each in found if is_hidden(each, best)), key=misfit)
+    hidden: list[Candidate] = []
+    for share in (1.0, SMALLER, SMALLEST) if sticks(best) else (1.0, SMALLER):
+        found = try_all([beside_at(best, key, share) for key in keys], holdout, pool, progress, "what may hide")
+        hidden += (each for each in found if is_hidden(each, best))
+        keys = [each.effects[-1] for each in found if is_astray(each, best)]
+    hidden.sort(key=misfit)
     if best.effects:
         return list(tried), said([*beside, *hidden], best)
     replaced = {each.effects for each in hidden}
@@ -103,9 +105,18 @@ def is_hidden(found: Candidate, best: Candidate) -> bool:
 
     Where the stem sticks in places a hair may decide on a stretch that was kept back: what was fitted tells.
     """
-    sticks = any(effect_of_key(key).is_jagged for key in best.effects)
-    is_as_near = misfit(found) < HIDES * max(misfit(best), 1.0) or (sticks and is_fitted(found))
+    is_as_near = misfit(found) < HIDES * max(misfit(best), 1.0) or (sticks(best) and is_fitted(found))
     return is_as_near and found.trace >= FELT
+
+
+def is_astray(found: Candidate, best: Candidate) -> bool:
+    """Return whether an effect led a cause into a side minimum; where the stem sticks it need not lead far."""
+    return misfit(found) > ASTRAY * misfit(best) or (sticks(best) and not is_hidden(found, best))
+
+
+def sticks(cause: Candidate) -> bool:
+    """Return whether a cause makes the stem stick in places, so that its error is jagged."""
+    return any(effect_of_key(key).is_jagged for key in cause.effects)
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:

@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.breakaway import Line
+from identification.compensation import compensated, compensated_trials, is_compensated
 from identification.fit import Fit, finished
 from identification.hints import other_forms, starts_of
 from identification.pressures import makes_pressure, with_pressures_of
@@ -220,6 +221,8 @@ def extended(
     if kin is not None and kin.found.error < worth_following * fit.found.error:
         return finished(*beside(fit, effect, kin, known))
     trials = screened(fit, effect, known)
+    if is_compensated(fit, effect):
+        trials = sorted([*trials, *compensated_trials(fit, effect)], key=lambda trial: -trial.gain)
     if trials[0].gain < max(promise, WORTH_LONG if effect.takes_long else 0.0) * 2.0 * fit.found.error:
         return finished(*at_neutral(fit, effect))
     is_searched = effect.is_jagged and is_global and trials[0].gain > 0.0
@@ -341,8 +344,11 @@ def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = 
         # A fit that took the steps for noise may have led astray what it freed.
         problem, point = joined(*withheld(fit.problem, fit.found.point), effect, values)
         return finished(*in_best_form_of_others(fit, *released_at_end(problem, point)))
-    start = Trial(*joined(fit.problem, fit.found.point, effect, values), gain=0.0)
-    problem, best = followed(fit, effect, [start], hopeless=hopeless_from(fit, worth))
+    starts = [joined(fit.problem, fit.found.point, effect, values)]
+    if is_compensated(fit, effect):
+        starts.insert(0, compensated(fit, effect, values))
+    trials = [Trial(*start, gain=0.0) for start in starts]
+    problem, best = followed(fit, effect, trials, hopeless=hopeless_from(fit, worth))
     return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
 
 
