@@ -394,7 +394,8 @@ def rivals_of(chosen: int, candidates: Sequence[Candidate], judgement: Judgement
             within = WITHIN_ERROR
         if difference < within:
             found.append(number)
-    found.sort(key=lambda number: (-likely[number], -judgement.evidence[number], candidates[number].effects))
+    # At the noise all have the same evidence.
+    found.sort(key=lambda number: (-likely[number], -judgement.evidence[number], misfit(candidates[number])))
     least = LEAST_RIVAL * judgement.probabilities[chosen] if mine.effects else -math.inf
     told = [number for number in found if judgement.probabilities[number] >= least]
     return [candidates[number].effects for number in told[:MOST_RIVALS]]
