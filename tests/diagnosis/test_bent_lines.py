@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from diagnosis import beside_slips as slips
-from diagnosis.beside_slips import bends_to_stairs, bent_lines, beside_the_best
+from diagnosis.beside_slips import bends_to_stairs, bent_lines
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.looks import look_alone, look_beside
 from diagnosis.score import score_fit
@@ -413,22 +414,83 @@ def named(misfit: float, *effects: str) -> Candidate:
     return Candidate(effects, "+".join(effects), score)
 
 
-def test_where_no_line_tells_the_law_comes_on_top_of_the_best_others():
-    alone = [named(40.0), named(9.0, "static_friction"), named(20.0, "supply_droop"), named(30.0, "coil_lag")]
-    alone += [named(25.0, "position_dependent_friction"), named(35.0, "air_leak"), named(36.0, "choked_flow")]
-    work = beside_the_best(alone, alone[1])
-    assert [each.effects for each in work] == [
-        (key, "static_friction") for key in ("supply_droop", "coil_lag", "air_leak")
-    ]
+def under_the_law(alone: list[Candidate], left: dict[tuple[str, ...], float], monkeypatch) -> list[Work]:
+    """The work in which a law comes on top of others, where fits come to these errors by their effects, else to 30."""
+    asked: list[Work] = []
+
+    def try_all(work, holdout, pool, progress, what, until):
+        done = []
+        for each in work:
+            asked.append(each)
+            done.append(fitted(left.get(each.effects, 30.0) * (0.5 if each.is_thorough else 1.0), *each.effects))
+            if until(done[-1]):
+                break
+        return done
+
+    monkeypatch.setattr(slips, "try_all", try_all)
+    slips.on_the_nearest(alone, None, None, lambda *what: None)
+    return asked
+
+
+def fitted(misfit: float, *effects: str, has_series: bool = False) -> Candidate:
+    """Return a cause whose fit leaves as much as its misfit."""
+    cause = replace(named(misfit, *effects), has_series=has_series)
+    return replace(cause, fit=SimpleNamespace(found=SimpleNamespace(error=misfit), name=cause.fit))
+
+
+def test_a_law_in_closed_form_comes_on_top_of_those_that_come_nearest_alone(monkeypatch):
+    alone = [fitted(40.0), fitted(9.0, "static_friction"), fitted(20.0, "sensor_drift"), fitted(30.0, "coil_lag")]
+    alone += [fitted(8.0, "stribeck"), fitted(25.0, "position_dependent_friction"), fitted(35.0, "air_leak")]
+    alone += [fitted(19.0, "load_force", has_series=True), fitted(18.0, "quantisation"), fitted(36.0, "end_stop")]
+    alone += [fitted(37.0, "gap_drift"), fitted(38.0, "choked_flow"), fitted(39.0, "magnetic_saturation")]
+    work = under_the_law(alone, {("coil_lag", "static_friction"): 10.0}, monkeypatch)
+    keys = ["sensor_drift", "coil_lag", "air_leak", "end_stop", "gap_drift", "choked_flow"]
+    assert [each.effects for each in work[:6]] == [(key, "static_friction") for key in keys]
+    assert [each.fit.name for each in work[:6]] == keys
     assert all(each.is_global for each in work)
-    assert [each.fit for each in work] == ["supply_droop", "coil_lag", "air_leak"]
+    # Longer on top of the two with which it came nearest, but for one whose runs are dear.
+    assert [each.is_thorough for each in work] == [False] * 6 + [True]
+    assert work[6].effects == ("sensor_drift", "static_friction")
+
+
+def test_no_more_is_tried_under_the_law_once_that_explains_the_record(monkeypatch):
+    alone = [fitted(40.0), fitted(9.0, "static_friction"), fitted(20.0, "sensor_drift"), fitted(30.0, "air_leak")]
+    (work,) = under_the_law(alone, {("sensor_drift", "static_friction"): 1.0}, monkeypatch)
+    assert work.effects == ("sensor_drift", "static_friction")
+
+
+def at_rest(has_stairs: bool) -> SimpleNamespace:
+    return SimpleNamespace(problem=SimpleNamespace(experiments=[SimpleNamespace(has_stairs=has_stairs)]))
+
+
+@pytest.mark.parametrize(
+    ("in_stairs", "left", "asked"),
+    [
+        (True, 30.0, ["line"]),
+        (True, math.inf, ["line", "nearest"]),
+        (False, 1.0, ["nearest"]),
+        (False, 30.0, ["nearest", "line"]),
+    ],
+)
+def test_the_line_tells_in_stairs_and_elsewhere_where_nothing_else_does(monkeypatch, in_stairs, left, asked):
+    ways = []
+
+    def way(name):
+        return lambda *_: ways.append(name) or [named(left, "air_leak", "static_friction")] * math.isfinite(left)
+
+    monkeypatch.setattr(slips, "speaks_for_slips", lambda alone: True)
+    monkeypatch.setattr(slips, "by_the_line", way("line"))
+    monkeypatch.setattr(slips, "on_the_nearest", way("nearest"))
+    base = replace(named(40.0), fit=at_rest(in_stairs))
+    tried = slips.beside_slips([base], None, None, lambda *what: None)
+    assert ways == asked
+    assert len(tried) == len(asked) * math.isfinite(left)
 
 
 def test_slips_are_not_looked_at_where_a_coarse_reading_comes_nearer(monkeypatch):
     monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
     monkeypatch.setattr(slips, "straight_line", lambda *_: pytest.fail("looked at"))
-    problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
-    base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
+    base = replace(named(40.0), fit=at_rest(True))
     alone = [base, named(30.0, "static_friction"), named(10.0, "quantisation"), named(20.0, "area_variation")]
     assert slips.beside_slips(alone, None, None, lambda what, share: None) == []
 
@@ -442,16 +504,10 @@ def test_slips_are_looked_at_where_a_law_gains_though_the_line_is_straight(monke
     monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
     monkeypatch.setattr(slips, "look_alone", lambda fit, line, laws, pool: asked.append(list(laws)) or explained)
     explained = [SimpleNamespace(explains=True)]
-    problem = SimpleNamespace(experiments=[SimpleNamespace(has_stairs=True)])
-    base = replace(named(40.0), fit=SimpleNamespace(problem=problem))
+    base = replace(named(40.0), fit=at_rest(True))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(30.0, "load_force")]
-    assert slips.beside_slips(alone, None, None, lambda *what: None) == []
+    assert slips.by_the_line(alone, None, None, lambda *what: None) == []
     assert asked == [["static_friction"]] * is_looked_at
-
-
-def test_the_law_comes_on_top_of_nothing_where_another_effect_is_better_alone():
-    alone = [named(40.0), named(30.0, "static_friction"), named(20.0, "supply_droop")]
-    assert beside_the_best(alone, alone[1]) == []
 
 
 @pytest.mark.parametrize(
@@ -514,11 +570,6 @@ def test_both_laws_are_searched_for_beside_the_nearest_effect_only():
     ]
 
 
-def test_no_whole_series_comes_under_the_law():
-    alone = [named(40.0), named(9.0, "static_friction"), replace(named(20.0, "load_force"), has_series=True)]
-    assert beside_the_best(alone, alone[1]) == []
-
-
 def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(given):
     plant, _, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
     line = straight_line(base)
@@ -577,7 +628,7 @@ def test_the_dear_law_is_searched_for_alone_after_all_where_nothing_bends_the_li
     base = replace(named(40.0), fit=SimpleNamespace(problem=None))
     alone = [base, named(30.0, "static_friction"), named(35.0, "stribeck"), named(20.0, "supply_droop")]
     alone.append(named(19.0, "static_friction", "quantisation"))
-    work = slips.beside_slips(alone, None, None, lambda *what: None)
+    work = slips.by_the_line(alone, None, None, lambda *what: None)
     assert [(each.effects, each.is_global, each.kin) for each in work] == [
         (("stribeck",), True, "static_friction")
     ] * is_anew
