@@ -52,15 +52,18 @@ def dropouts_of(current: np.ndarray) -> list[tuple[int, int]]:
 
 
 def is_answered(position: np.ndarray, current: np.ndarray, dropouts: list[tuple[int, int]]) -> bool:
-    """Return whether the stem leaves its way after dropouts of its current, to the side to which that went."""
+    """Return whether the stem leaves its way after dropouts of its current, to the side to which that went.
+
+    Where no readings tell, it is taken to have.
+    """
     aside = []
     for first, end in dropouts:
-        if first < BEFORE or end + ANSWERED_IN > len(position):
-            continue
         rows = np.arange(first - BEFORE + 1, first + 1)
+        if first < BEFORE or end + ANSWERED_IN > len(position) or not np.isfinite(position[rows]).all():
+            continue
         behind = np.arange(first + 1, end + ANSWERED_IN)
         slope, at_first = np.polyfit(rows - first, position[rows], 1)
         left = position[behind] - (at_first + slope * (behind - first))
         aside.append(np.max(np.sign(current[first] - current[first - 1]) * left))
     known = np.array(aside)[np.isfinite(aside)]
-    return bool(len(known)) and float(np.median(known)) > ANSWERED * noise_level(position)
+    return not len(known) or float(np.median(known)) > ANSWERED * noise_level(position)

@@ -62,3 +62,13 @@ def test_a_record_that_begins_or_ends_without_a_current_keeps_it_so():
     current[:2] = current[-2:] = 0.0
     record = record_of(current=current)
     assert without_dropouts(record) == (record, [])
+
+
+def test_readings_that_are_missing_tell_nothing():
+    position = SIGNALS["position"].copy()
+    position[STARTS[1:] - 2] = np.nan
+    current = failing(1, 0.0)
+    assert (without_dropouts(record_of(current=current, position=position))[0].current > 0.0).all()
+    position[STARTS[0] - 2] = np.nan
+    record = record_of(current=current, position=position)
+    assert without_dropouts(record) == (record, [])
