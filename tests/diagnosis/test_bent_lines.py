@@ -520,8 +520,8 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
     looked = []
     monkeypatch.setattr(slips, "stops_seen", lambda fit: has_stops)
     monkeypatch.setattr(slips, "straight_line", lambda *given: looked.append(given))
-    base = named(40.0)
-    base = replace(base, fit=SimpleNamespace(problem=SimpleNamespace(experiments=[SimpleNamespace(has_stairs=False)])))
+    monkeypatch.setattr(slips, "on_the_nearest", lambda *given: [])
+    base = replace(named(40.0), fit=at_rest(False))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(other, "supply_droop")]
     assert slips.beside_slips(alone, None, None, lambda *what: None) == []
     assert len(looked) == is_looked_for
