@@ -279,18 +279,20 @@ def on_the_nearest(
     """Try a law of stick-slip in closed form on top of the effects that come nearest alone, up to what explains all.
 
     The other way about the law takes in what it can of both, and no slope leads from there to the other effect. Where
-    none explains the record the search takes its time on top of those with which it came nearest.
+    none explains the record the search takes its time on top of those with which it came nearest, and nearer than
+    alone.
     """
-    laws = [each.effects[0] for each in laws_alone(alone) if jumps_in_closed_form(each.effects)]
+    closed = {each.effects[0]: each for each in laws_alone(alone) if jumps_in_closed_form(each.effects)}
     smooth = [each for each in best_of(alone, 1) if is_quick(each.effects[0]) and not is_laid_on_top(each)]
     nearest = sorted(smooth, key=lambda each: each.fit.found.error)[:BESIDE]
     ends = partial(explains, base=alone[0])
-    work = [Work(each.fit, (*each.effects, law), True) for law in laws for each in nearest]
+    work = [Work(each.fit, (*each.effects, law), True) for law in closed for each in nearest]
     tried = try_all(work, holdout, pool, progress, WHAT, ends)
     if any(map(ends, tried)):
         return tried
-    promising = sorted(zip(tried, work, strict=True), key=lambda pair: pair[0].fit.found.error)[:FOLLOWED]
-    again = [replace(each, is_thorough=True) for _, each in promising if not is_dear(each.effects[0])]
+    order = sorted(zip(tried, work, strict=True), key=lambda pair: pair[0].fit.found.error)[:FOLLOWED]
+    promising = [each for found, each in order if found.fit.found.error < closed[each.effects[1]].fit.found.error]
+    again = [replace(each, is_thorough=True) for each in promising if not is_dear(each.effects[0])]
     return with_better(tried, try_all(again, holdout, pool, progress, WHAT, ends))
 
 
