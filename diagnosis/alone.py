@@ -8,13 +8,14 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.beside_slips import WHAT, beside_coarse_steps, beside_slips, in_stairs, speaks_for_slips
+from diagnosis.beside_slips import WHAT, beside_coarse_steps, beside_slips, speaks_for_slips
 from diagnosis.ending import do_explain, goes_in_jumps
 from diagnosis.explaining import (
     AT_NOISE,
     allowed,
     any_explains,
     explains,
+    in_stairs,
     leaves_nothing_to_tell,
     misfit,
     nearly_explains,
@@ -121,7 +122,7 @@ def try_first(
 
 def speaks_softly_for_slips(alone: Sequence[Candidate]) -> bool:
     """Return whether a record may show stick-slip, but not in stairs nor by what comes nearest: two may be smooth."""
-    return not in_stairs(alone[0]) and speaks_for_slips(alone) and not goes_in_jumps(best_of(alone, 1)[0])
+    return not in_stairs(alone[0].fit) and speaks_for_slips(alone) and not goes_in_jumps(best_of(alone, 1)[0])
 
 
 def in_phase(

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
-from diagnosis.explaining import any_explains, explains, misfit, stops_seen
+from diagnosis.explaining import any_explains, explains, in_stairs, misfit, stops_seen
 from diagnosis.looks import NEARER_AT_SLIPS, Look, look_alone, look_beside
 from diagnosis.standing import (
     alone_of,
@@ -30,9 +30,6 @@ from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, lin
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key, jumps_in_closed_form
 
-FOLLOWED = 2
-"""Of those as many are searched for once more, longer: where the pressure moves that would take half a minute."""
-
 MAKERS, BENDS = 2, 4
 """Laws of stick-slip, the best alone, and effects that bend the line, the best ones, whose slips are looked at, beside
 those that bring the breakaways onto it."""
@@ -41,6 +38,9 @@ BESIDE = 6
 """Effects on top of which a law in closed form is tried, those that come nearest alone. Of 22 blind pairs of our own
 with static friction the other one was among the first six alone in twelve, and for eleven of them the law came as near
 on top of it as the other way about, or nearer: for seven of those by a factor of four and more."""
+
+FOLLOWED = 2
+"""Of those as many are searched for once more, longer: where the pressure moves that would take half a minute."""
 
 SOME, FAR_OFF = 0.9, 5.0
 """Share of the base's squared error below which such a law must come alone where the record shows no rests on the way,
@@ -90,17 +90,12 @@ def beside_slips(
     """
     if not speaks_for_slips(alone):
         return []
-    if in_stairs(alone[0]):
+    if in_stairs(alone[0].fit):
         return by_the_line(alone, holdout, pool, progress) or on_the_nearest(alone, holdout, pool, progress)
     on_top = on_the_nearest(alone, holdout, pool, progress)
     if any_explains([alone[0], *on_top]):
         return on_top
     return [*on_top, *by_the_line(alone, holdout, pool, progress)]
-
-
-def in_stairs(base: Candidate) -> bool:
-    """Return whether a record is taken for one in which the stem goes in stairs."""
-    return any(each.has_stairs for each in base.fit.problem.experiments)
 
 
 def by_the_line(

@@ -86,9 +86,14 @@ def any_explains(tried: Sequence[Candidate], *, generous: bool = False) -> bool:
     return any(explains(each, tried[0], generous=generous) for each in tried)
 
 
+def in_stairs(fit: Fit) -> bool:
+    """Return whether a fit is to a record that is taken for one in which the stem goes in stairs."""
+    return any(each.has_stairs for each in fit.problem.experiments)
+
+
 def stops_seen(fit: Fit) -> bool:
     """Return whether the measured stem rests again and again where a fit's keeps moving, or goes in stairs."""
-    if any(each.has_stairs for each in fit.problem.experiments):
+    if in_stairs(fit):
         return True
     stops = [stops_on_the_way(each, fit.simulated_on(each).position[0]) for each in fit.problem.experiments]
     return max(stops) >= LEAST_STOPS

@@ -10,6 +10,7 @@ import numpy as np
 from identification.experiment import Experiment
 from identification.noise import noise_level
 from valvemodel.errors import InputError
+from valvemodel.records.unbroken import unbroken
 
 MEANS = 100
 """A record is looked at through the means of so many parts."""
@@ -148,8 +149,7 @@ def clipped_readings(experiment: Experiment) -> np.ndarray:
         return clipped
     for extreme in (readings.max(), readings.min()):
         is_at = position == extreme
-        edges = np.flatnonzero(np.diff(np.concatenate(([False], is_at, [False])).astype(np.int8)))
-        for first, end in zip(edges[::2], edges[1::2], strict=True):
+        for first, end in unbroken(is_at):
             clipped[first:end] |= end - first >= CLIPPED_RUN
     repeats = np.diff(position) == 0.0
     elsewhere = ~(clipped[1:] | clipped[:-1])

@@ -67,18 +67,13 @@ def are_read_at_end(records: Sequence[Record]) -> list[bool]:
     A logger that is slower than what drives the valve has rows in which the current moved on before them: it answers
     its own rows, and says nothing of a record at another pace.
     """
-    paces = [_period(record) for record in records if answers_own_row(record)]
+    paces = [record.interval for record in records if answers_own_row(record)]
 
     def is_alike(record: Record) -> bool:
         cannot_tell = len(steps_of(record)) < FEWEST_STEPS
-        return cannot_tell or any(1.0 / SAME_PACE < _period(record) / pace < SAME_PACE for pace in paces)
+        return cannot_tell or any(1.0 / SAME_PACE < record.interval / pace < SAME_PACE for pace in paces)
 
     return [bool(paces) and is_alike(record) for record in records]
-
-
-def _period(record: Record) -> float:
-    assert record.time is not None
-    return float(np.median(np.diff(record.time)))
 
 
 def steps_of(record: Record) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 from identification.mending.spikes import LONGEST, RARE
 from identification.noise import noise_level
 from valvemodel.records import Record
+from valvemodel.records.unbroken import unbroken
 
 FAILED_BELOW, FAILED_ABOVE = 3.6e-3, 21.0e-3
 """Beyond these a signal tells a failure (NAMUR NE 43). [A]"""
@@ -45,10 +46,11 @@ def without_dropouts(record: Record) -> tuple[Record, list[str]]:
 def dropouts_of(current: np.ndarray) -> list[tuple[int, int]]:
     """Return the first row of each short failure of a current and the one behind it, between rows in which it lives."""
     has_failed = (current < FAILED_BELOW) | (current > FAILED_ABOVE)
-    edges = np.flatnonzero(np.diff(has_failed.astype(np.int8))) + 1
-    begins, ends = edges[has_failed[edges]], edges[~has_failed[edges]]
-    ends = ends[ends > begins[0]] if len(begins) else ends
-    return [(int(begin), int(end)) for begin, end in zip(begins, ends, strict=False) if end - begin <= LONGEST]
+    return [
+        (int(first), int(end))
+        for first, end in unbroken(has_failed)
+        if first > 0 and end < len(current) and end - first <= LONGEST
+    ]
 
 
 def is_answered(position: np.ndarray, current: np.ndarray, dropouts: list[tuple[int, int]]) -> bool:

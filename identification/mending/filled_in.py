@@ -8,6 +8,7 @@ import numpy as np
 
 from identification.noise import display_step, reading_step
 from valvemodel.records import Record
+from valvemodel.records.unbroken import unbroken
 
 FILLED = 0.4
 """Share of the rows from which they count as filled in."""
@@ -97,8 +98,7 @@ def _comes_evenly(is_new: np.ndarray) -> bool:
 
 def _stands_alone(is_new: np.ndarray) -> bool:
     """Return whether hardly any new row is one of several in a row."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], is_new.astype(int), [0]])))
-    runs = edges[1::2] - edges[::2]
+    runs = np.ptp(unbroken(is_new), axis=1)
     return bool(runs[runs >= RUN].sum() <= IN_RUNS * is_new.sum())
 
 

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from valvemodel.records.header import misspelt
 from valvemodel.records.measurement import Measurement
+from valvemodel.records.unbroken import unbroken
 
 _GAP = 3.0  # times the median interval
 _IRREGULAR = 0.2  # spread of the middle nine tenths of the intervals over their median
@@ -172,8 +173,7 @@ def _reading(measurement: Measurement, name: str) -> list[str]:
 def _share_at(given: npt.NDArray[np.float64], extreme: float) -> tuple[float, bool]:
     """Return the share of samples at a value in runs of five or more, and whether others repeat too."""
     is_at = given == extreme
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], is_at.astype(np.int8), [0]))))
-    runs = edges[1::2] - edges[::2]
+    runs = np.ptp(unbroken(is_at), axis=1)
     share = float(runs[runs >= 5].sum()) / given.size
     elsewhere = ~(is_at[1:] | is_at[:-1])
     repeats = np.diff(given) == 0
