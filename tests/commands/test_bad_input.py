@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from valvemodel import Model, read_valve
 from valvemodel.commands import COMMANDS
 
 IN, OUT, DIR = "{record}", "out.csv", "out"
@@ -54,6 +55,11 @@ BAD = [
         f"simulate --start-position 28Pa --input {IN} --out {OUT}",
         "unit of something else",
     ),
+    ("a column without a header", f"simulate --column current --input {IN} --out {OUT}", "--column is NAME=HEADER"),
+    ("a column twice", f"diagnose {IN} --column time=a --column time=b --out {DIR}", "time came twice"),
+    ("a column that is not there", f"fit {IN} --column position=PV --out {DIR}", "'PV' is not"),
+    ("a model with effects to diagnose", f"diagnose {IN} --model stuck.json --out {DIR}", "give base.json"),
+    ("valve and model to fit", f"fit {IN} --valve linear --model stuck.json --out {DIR}", "exclude each other"),
     ("no time", f"simulate --input loop.csv --out {OUT}", "time"),
     ("wrong unit", f"simulate --input psi.csv --out {OUT}", "psi"),
     ("no record", f"fit --out {DIR}", "RECORD"),
@@ -100,6 +106,8 @@ def files(tmp_path, short_record):
     }
     for name, (header, row) in write.items():
         (tmp_path / name).write_text("\n".join([header, *(row.format(*each) for each in ramp)]) + "\n")
+    valve = read_valve("calibrated")
+    Model(valve.name, valve.values).with_effect("static_friction").write(tmp_path / "stuck.json")
     (tmp_path / "valve.toml").write_text("")
     (tmp_path / "link.csv").symlink_to("input.csv")
     (tmp_path / "full.parquet").symlink_to("/dev/full")

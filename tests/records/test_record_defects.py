@@ -99,7 +99,7 @@ ERRORS = {
     ),
     "misspelt column": (
         text_of_a_valve(header="time [s],current [mA],pressure [kPa],postion [mm]"),
-        ["'position [mm]'", "if 'postion [mm]' is meant, rename it"],
+        ["'position [mm]'", "if 'postion [mm]' is the position, rename it, or give --column 'position=postion [mm]'"],
     ),
     "column twice": (
         text_of_a_valve(header="time [s],current [mA],Current [A],position [mm]"),

@@ -9,7 +9,7 @@ import click
 
 from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.control_answer import print_contest, print_findings
-from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
+from valvemodel.commands.given import effects_option, model_given, model_option, valve_option, with_effects
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
@@ -107,8 +107,6 @@ def control(
     valve as it is and with its friction grown by a fifth. Controllers see the noisy reading only; measures are of
     the stem's true position.
     """
-    if valve is not None and model_file is not None:
-        raise click.UsageError("--valve and --model exclude each other: give one of them.")
     if coarse and not tests_claims:
         raise click.UsageError("--coarse goes with --claims.")
     given = click.get_current_context().get_parameter_source
@@ -116,10 +114,9 @@ def control(
         if tests_claims and given(name) is click.core.ParameterSource.COMMANDLINE:
             raise click.UsageError(f"--claims has set points of its own: leave --{name} out.")
     check_folder(out)
-    from valvemodel.model import read_model
     from valvemodel.quantities import parse_quantity
 
-    model = valve_model(valve)[0] if model_file is None else read_model(model_file)
+    model = model_given(valve, model_file)[0]
     model, notes = with_effects(model, effects)
     conditions: dict[str, Any] = {
         "period": parse_quantity(period, unit="s"),

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from valvemodel.commands.command import command, json_option, print_json
-from valvemodel.commands.given import measured_records, records_argument, valve_model, valve_option
+from valvemodel.commands.given import (
+    base_given,
+    columns_called,
+    columns_option,
+    measured_records,
+    model_option,
+    records_argument,
+    valve_option,
+)
 from valvemodel.commands.places import check_file, check_folder, check_not_input, write_together
 from valvemodel.commands.waiting import Report, progress_shown
 from valvemodel.errors import InputError
@@ -31,7 +39,9 @@ Examples:
   valvemodel diagnose record.csv --out report --json""",
 )
 @records_argument
+@columns_option
 @valve_option
+@model_option
 @click.option(
     "--out",
     required=True,
@@ -60,7 +70,9 @@ Examples:
 @json_option
 def diagnose(
     paths: tuple[Path, ...],
+    columns: tuple[str, ...],
     valve: str | None,
+    model_file: Path | None,
     out: Path,
     jobs: int | None,
     next_file: Path | None,
@@ -82,9 +94,9 @@ def diagnose(
         limits = limits_of(next_duration, next_range, next_rate)
     from diagnosis.by_kind import diagnose as find_causes
 
-    model, rated_travel = valve_model(valve)
+    model, rated_travel = base_given(valve, model_file)
     with progress_shown() as progress:
-        records = measured_records(paths, model, rated_travel)
+        records = measured_records(paths, model, rated_travel, columns_called(columns))
         if limits is not None and records[0].kind != "time":
             raise InputError("a next experiment is designed from time records", "these have none", "record over time")
         diagnosis: Any = find_causes(records, model, jobs=jobs, progress=progress)

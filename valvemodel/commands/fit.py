@@ -8,7 +8,16 @@ import click
 
 from valvemodel.commands.command import command, json_option, print_json
 from valvemodel.commands.fitted import print_outcome
-from valvemodel.commands.given import complete_effects, measured_records, records_argument, valve_model, valve_option
+from valvemodel.commands.given import (
+    base_given,
+    columns_called,
+    columns_option,
+    complete_effects,
+    measured_records,
+    model_option,
+    records_argument,
+    valve_option,
+)
 from valvemodel.commands.places import check_folder, write_together
 from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
@@ -23,7 +32,9 @@ Examples:
   valvemodel fit monday.csv tuesday.csv --valve my_valve.toml --effect static_friction --out fitted""",
 )
 @records_argument
+@columns_option
 @valve_option
+@model_option
 @click.option(
     "--effect",
     "effects",
@@ -72,7 +83,9 @@ Examples:
 @json_option
 def fit(
     paths: tuple[Path, ...],
+    columns: tuple[str, ...],
     valve: str | None,
+    model_file: Path | None,
     effects: tuple[str, ...],
     route: str,
     loop: str,
@@ -94,11 +107,11 @@ def fit(
     from identification.outcome import fit_records
     from valvemodel.effects import effect_of_key
 
-    model, rated_travel = valve_model(valve)
+    model, rated_travel = base_given(valve, model_file)
     for key in effects:
         effect_of_key(key)
     with progress_shown() as progress:
-        records = measured_records(paths, model, rated_travel)
+        records = measured_records(paths, model, rated_travel, columns_called(columns))
         outcome = fit_records(
             records,
             model,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,7 +43,7 @@ model_option = click.option(
     "model_file",
     metavar="MODEL.json",
     type=click.Path(path_type=Path),
-    help="A model that fit or diagnose wrote, instead of --valve.",
+    help="A model that fit or diagnose wrote (model.json, base.json), instead of --valve.",
 )
 effects_option = click.option(
     "--effect",
@@ -57,13 +57,57 @@ effects_option = click.option(
 records_argument = click.argument(
     "paths", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="RECORD..."
 )
+columns_option = click.option(
+    "--column",
+    "columns",
+    multiple=True,
+    metavar="NAME=HEADER",
+    help='What a column is called in the file, where that is not its name here: "current=Strom [mA]", or with the unit '
+    'that it is in, "position [%]=PV". May be given several times.',
+)
 
 
-def valve_model(name: str | None) -> tuple[Model, float | None]:
-    """Return a valve set or file as a model, and its rated travel [m] if the user's choice of valve gives it.
+def model_given(valve: str | None, model_file: Path | None) -> tuple[Model, float | None]:
+    """Return the model that --valve or --model names, and its rated travel [m] if the user's choice gives it.
 
     The valve that is taken where none was chosen says nothing of the user's travel.
+
+    Raises
+    ------
+    click.UsageError
+        If both are given.
+    InputError
+        If the valve or the model cannot be read.
     """
+    if valve is not None and model_file is not None:
+        raise click.UsageError("--valve and --model exclude each other: give one of them.")
+    if model_file is None:
+        return _valve_model(valve)
+    from valvemodel.model import read_model
+
+    model = read_model(model_file)
+    return model, model.values["rated_travel"]
+
+
+def base_given(valve: str | None, model_file: Path | None) -> tuple[Model, float | None]:
+    """Return what `model_given` does, where that is a base valve: effects are looked for, or named for themselves.
+
+    Raises
+    ------
+    InputError
+        If the model has effects.
+    """
+    model, rated_travel = model_given(valve, model_file)
+    if model.effects:
+        raise InputError(
+            "what is fitted or diagnosed begins with a valve without effects",
+            f"{model_file} has {', '.join(model.effects)}",
+            "give base.json, which diagnose writes beside model.json, or take the effects out",
+        )
+    return model, rated_travel
+
+
+def _valve_model(name: str | None) -> tuple[Model, float | None]:
     from valvemodel.model import Model
     from valvemodel.valves import read_valve
 
@@ -73,8 +117,29 @@ def valve_model(name: str | None) -> tuple[Model, float | None]:
     return Model(valve.name, valve.values), travel
 
 
-def measured_records(paths: Sequence[Path], model: Model, rated_travel: float | None) -> list[Record]:
-    """Read records of one valve, all of one kind.
+def columns_called(texts: Sequence[str]) -> dict[str, str]:
+    """Return what --column says: by the names here, with their units if told, the headers in the file.
+
+    Raises
+    ------
+    InputError
+        If a text is not NAME=HEADER, or a name comes twice.
+    """
+    called: dict[str, str] = {}
+    for text in texts:
+        name, sign, header = (part.strip() for part in text.partition("="))
+        if not (name and sign and header):
+            raise InputError("--column is NAME=HEADER", f"got {text!r}", 'write it like --column "current=Strom [mA]"')
+        if name in called:
+            raise InputError("a column is named once", f"{name} came twice", "name one header for it")
+        called[name] = header
+    return called
+
+
+def measured_records(
+    paths: Sequence[Path], model: Model, rated_travel: float | None, columns: Mapping[str, str] | None = None
+) -> list[Record]:
+    """Read records of one valve, all of one kind; `columns` says what those are called in the files.
 
     Raises
     ------
@@ -84,7 +149,7 @@ def measured_records(paths: Sequence[Path], model: Model, rated_travel: float | 
     from valvemodel.records import read_record
 
     _check_each_once(paths)
-    records = [_in_metres(read_record(path, rated_travel=rated_travel), model) for path in paths]
+    records = [_in_metres(read_record(path, rated_travel=rated_travel, columns=columns), model) for path in paths]
     kinds = [record.kind for record in records]
     for path, kind in zip(paths, kinds, strict=True):
         if kind != kinds[0]:

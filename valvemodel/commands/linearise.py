@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from valvemodel.commands.command import command
-from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
+from valvemodel.commands.given import effects_option, model_given, model_option, valve_option, with_effects
 from valvemodel.commands.places import check_file, check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
 
@@ -81,8 +81,6 @@ def linearise(
     Derivatives are symbolic. Effects without a linearisation are named and left out. With --limit-cycle a PI
     loop is closed around the valve, and around a process behind it where --lag or --dead-time is given.
     """
-    if valve is not None and model_file is not None:
-        raise click.UsageError("--valve and --model exclude each other: give one of them.")
     if out is not None:
         check_folder(out)
     if json_file is not None:
@@ -91,10 +89,9 @@ def linearise(
     from valvemodel.linear import linearise as run
     from valvemodel.linear.feedback import Gains, usual_gains
     from valvemodel.linear.report import content, loop_content
-    from valvemodel.model import read_model
     from valvemodel.quantities import parse_quantity
 
-    model = valve_model(valve)[0] if model_file is None else read_model(model_file)
+    model = model_given(valve, model_file)[0]
     model, notes = with_effects(model, effects)
     for note in notes:
         click.echo(note, err=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from valvemodel.commands.command import command, json_option, print_json
-from valvemodel.commands.given import model_option, valve_model, valve_option
+from valvemodel.commands.given import model_given, model_option, valve_option
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 from valvemodel.commands.waiting import progress_shown
@@ -83,18 +83,15 @@ def move(
     run on the exact valve: MOVE.csv has time, current, pressure, position and mode of that run, until the valve has
     been watched at rest for five seconds.
     """
-    if valve is not None and model_file is not None:
-        raise click.UsageError("--valve and --model exclude each other: give one of them.")
     if within is not None and least == "time":
         raise click.UsageError("--within belongs to --least travel.")
     check_file(out)
     check_not_input(out, {"--model": model_file, "--valve": valve})
     from valvemodel.control.optimal_move import least_time, least_travel
-    from valvemodel.model import read_model
     from valvemodel.quantities import parse_quantity
     from valvemodel.records import write_table
 
-    model = valve_model(valve)[0] if model_file is None else read_model(model_file)
+    model = model_given(valve, model_file)[0]
     asked: dict[str, Any] = {
         "start_current": parse_quantity(start_current, unit="A"),
         "target": parse_quantity(target, unit="m"),

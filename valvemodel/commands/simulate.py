@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from valvemodel.commands.command import command
-from valvemodel.commands.given import effects_option, model_option, valve_model, valve_option, with_effects
+from valvemodel.commands.given import (
+    columns_called,
+    columns_option,
+    effects_option,
+    model_given,
+    model_option,
+    valve_option,
+    with_effects,
+)
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.trouble import warn
 
@@ -37,6 +45,7 @@ Examples:
     type=click.Path(path_type=Path),
     help="Columns `time [s]` and `current [mA]`; also Parquet and MAT.",
 )
+@columns_option
 @effects_option
 @click.option(
     "--start-position",
@@ -67,6 +76,7 @@ def simulate(
     valve: str | None,
     model_file: Path | None,
     input_file: Path,
+    columns: tuple[str, ...],
     effects: tuple[str, ...],
     start_position: str | None,
     reanchor: str | None,
@@ -80,8 +90,6 @@ def simulate(
     the input's times; a row shows the state just before its current acts. A position in the input is used by
     --reanchor, and to say how far the run is off; it does not set the start.
     """
-    if valve is not None and model_file is not None:
-        raise click.UsageError("--valve and --model exclude each other: give one of them.")
     check_file(out)
     check_not_input(out, {"--input": input_file, "--model": model_file, "--valve": valve})
     if events_file is not None:
@@ -91,17 +99,16 @@ def simulate(
             raise click.UsageError("--events and --out name the same file: give two.")
     import math
 
-    from valvemodel.model import read_model
     from valvemodel.quantities import format_quantity, parse_quantity
     from valvemodel.records import read_record, write_table
     from valvemodel.simulation import AT_REST
     from valvemodel.simulation import simulate as run
 
-    model = valve_model(valve)[0] if model_file is None else read_model(model_file)
+    model = model_given(valve, model_file)[0]
     model, notes = with_effects(model, effects)
     start = math.nan if start_position is None else parse_quantity(start_position, unit="m")
     needs = ("time", "current") if reanchor is None else ("time", "current", "position")
-    record = read_record(input_file, needs=needs, allow_loop=False)
+    record = read_record(input_file, needs=needs, allow_loop=False, columns=columns_called(columns))
     assert record.time is not None
     assert record.current is not None
     for note in notes:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import polars
 
 from valvemodel.errors import InputError
-from valvemodel.records.header import DIMENSIONS, TIME_NAMES, find_columns, read_header
-from valvemodel.records.sheet import Sheet
+from valvemodel.records.header import NOTHING, find_columns, read_header
+from valvemodel.records.sheet import Header, Sheet
 
 _SEPARATORS = {",": "','", ";": "';'", "\t": "tabs", "|": "'|'"}
 """In the order of preference, each as it is called in messages."""
@@ -21,8 +21,10 @@ _MOST_TITLES, _LEAST_KNOWN = 40, 2
 """Lines among which the column names are looked for, and known columns that one of them must name."""
 
 
-def read_delimited(content: bytes, name: str) -> Sheet:
+def read_delimited(content: bytes, name: str, called: Mapping[str, Header] = NOTHING) -> Sheet:
     """Find out how a text file is written and return its columns as text.
+
+    What known columns are called in it, where that is told, helps to find the line of their names.
 
     Raises
     ------
@@ -30,10 +32,10 @@ def read_delimited(content: bytes, name: str) -> Sheet:
         If the content is not text, has no line of column names, or a line has too many cells.
     """
     content, notes = _as_utf8(content, name)
-    start, first_line, declared = _find_header(content, name)
+    start, first_line, declared = _find_header(content, name, called)
     end = content.find(b"\n", start)
     header_line = content[start : end if end >= 0 else len(content)].decode()
-    separator = declared or _separator_of(header_line)
+    separator = declared or _separator_of(header_line, called)
     headers = tuple(read_header(cell) for cell in next(csv.reader([header_line], delimiter=separator)))
     _check_is_header(headers, name, first_line)
     if start:
@@ -173,7 +175,7 @@ def _decoded(content: bytes, encoding: str, name: str) -> bytes:
         raise InputError("a text file is in one encoding", f"{name} is broken UTF-16", "save it as UTF-8") from None
 
 
-def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:
+def _find_header(content: bytes, name: str, called: Mapping[str, Header]) -> tuple[int, int, str | None]:
     """Return where the column names start, on which line, and the separator that a line `sep=;` declares.
 
     Titles may stand above them: of the first lines it is the first that names two known columns, else the first.
@@ -194,7 +196,7 @@ def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:
                 )
         elif text and not text.startswith(b"#"):
             found = found or (start, line, declared)
-            if _known_columns(text.decode(), declared) >= _LEAST_KNOWN:
+            if _known_columns(text.decode(), declared, called) >= _LEAST_KNOWN:
                 return start, line, declared
         start, line = end + 1, line + 1
     if found:
@@ -202,18 +204,18 @@ def _find_header(content: bytes, name: str) -> tuple[int, int, str | None]:
     raise InputError("a record has a line of column names", f"{name} is empty", "export it again")
 
 
-def _known_columns(line: str, declared: str | None) -> int:
+def _known_columns(line: str, declared: str | None, called: Mapping[str, Header]) -> int:
     """Return how many known columns a line names."""
-    cells = next(csv.reader([line], delimiter=declared or _separator_of(line)), [])
-    return len(find_columns(tuple(map(read_header, cells))))
+    cells = next(csv.reader([line], delimiter=declared or _separator_of(line, called)), [])
+    return len(find_columns(tuple(map(read_header, cells)), called))
 
 
-def _separator_of(line: str) -> str:
+def _separator_of(line: str, called: Mapping[str, Header]) -> str:
     """Return the separator that makes the most known columns of the header line, then the most columns."""
 
     def columns(separator: str) -> tuple[int, int]:
-        names = [read_header(cell).name for cell in next(csv.reader([line], delimiter=separator))]
-        return sum(name in DIMENSIONS or name in TIME_NAMES for name in names), len(names)
+        headers = tuple(map(read_header, next(csv.reader([line], delimiter=separator))))
+        return len(find_columns(headers, called)), len(headers)
 
     return max(_SEPARATORS, key=columns)
 

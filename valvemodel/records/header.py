@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from valvemodel.errors import InputError
+from valvemodel.errors import InputError, unknown_name
 from valvemodel.quantities import is_unit_of
 from valvemodel.records.sheet import Header, Sheet
 
@@ -17,6 +19,9 @@ USUAL = {"time": "s", "current": "mA", "pressure": "kPa", "position": "mm", "for
 
 TIME_NAMES = ("timestamp", "datetime", "date time", "date/time", "date-time", "date_time", "time stamp")
 """Other names of a time column that holds dates and times of day."""
+
+NOTHING: Mapping[str, Header] = {}
+"""No column is called otherwise."""
 
 _BRACKETED = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\]|\((.*)\))", re.DOTALL)
 
@@ -44,42 +49,120 @@ def read_identifier(text: str) -> Header:
     return header if name is None else Header(header.text, name, _written_unit(name, header.text))
 
 
-def find_columns(headers: tuple[Header, ...]) -> dict[str, list[int]]:
-    """Return for each known name the numbers of the columns that carry it."""
-    found: dict[str, list[int]] = {}
+def read_called(columns: Mapping[str, str]) -> dict[str, Header]:
+    """Return what known columns are called in a file, each with the unit that is told of it, or None.
+
+    Raises
+    ------
+    InputError
+        If a name is none of the known ones.
+
+    Examples
+    --------
+    >>> read_called({"current [mA]": "OP"})
+    {'current': Header(text='OP', name='op', unit='mA')}
+    """
+    called = {}
+    for told, text in columns.items():
+        wanted, own = read_identifier(told), read_header(text)
+        if wanted.name not in DIMENSIONS:
+            raise unknown_name("a column", wanted.name, DIMENSIONS)
+        called[wanted.name] = replace(own, unit=wanted.unit)
+    return called
+
+
+def find_columns(headers: Sequence[Header], called: Mapping[str, Header] = NOTHING) -> dict[str, list[int]]:
+    """Return for each known name the numbers of the columns that carry it, or that are called what is told of it."""
+    found = {name: [n for n, header in enumerate(headers) if is_called(header, own)] for name, own in called.items()}
+    found = {name: numbers for name, numbers in found.items() if numbers}
+    taken = {number for numbers in found.values() for number in numbers}
     for number, header in enumerate(headers):
+        if number in taken or header.name in called:
+            continue
         if header.name in DIMENSIONS:
             found.setdefault(header.name, []).append(number)
-        elif header.unit is None and (name := _unbracketed(header.text)):
+        elif header.unit is None and (name := _unbracketed(header.text)) and name not in called:
             found.setdefault(name, []).append(number)
-    if "time" not in found:
+    if "time" not in found and "time" not in called:
         stamps = [number for number, header in enumerate(headers) if header.name in TIME_NAMES]
         if stamps:
             found["time"] = stamps
     return found
 
 
-def missing_column(names: list[str], sheet: Sheet) -> InputError:
-    """Make the error for columns that are needed and not there, with the nearest that is there."""
+def is_called(header: Header, own: Header) -> bool:
+    """Return whether a column is the one that is told by its header, or by that without the unit."""
+    return own.text.casefold() in (header.text.casefold(), header.name)
+
+
+def with_told_unit(header: Header, own: Header | None) -> Header:
+    """Return a header with the unit that is told of its column, if any."""
+    return header if own is None or own.unit is None else replace(header, unit=own.unit)
+
+
+def not_there(own: Header, sheet: Sheet) -> InputError:
+    """Make the error for a column that is told by a header which the file does not have."""
+    nearest = difflib.get_close_matches(own.text, [header.text for header in sheet.headers], n=1)
+    remedy = f"did you mean {nearest[0]!r}?" if nearest else "give the header as it stands in the file"
+    return InputError("a column that is named is in the file", f"{own.text!r} is not: {_there(sheet)}", remedy)
+
+
+def missing_column(names: Sequence[str], found: Mapping[str, list[int]], sheet: Sheet) -> InputError:
+    """Make the error for columns that are needed and not there, with the nearest that are there.
+
+    A column of times that is not read is named as well: the next thing to be missed.
+    """
     headers = sheet.headers
-    there = ", ".join(repr(header.text) for header in headers if header.text) or "nothing"
-    wanted = " and ".join(repr(sheet.form.format(name=name, unit=USUAL[name])) for name in names)
-    remedy = f"name the column {wanted}" if len(names) == 1 else f"name the columns {wanted}"
-    for name in names:
-        if nearest := misspelt(name, headers):
-            remedy += f"; if {nearest!r} is meant, rename it"
+    wanted = " and ".join(repr(sheet.form.format(name=name, unit=_unit_there(name, headers))) for name in names)
+    what = "column" if len(names) == 1 else "columns"
+    remedy = f"name the {what} {wanted}"
+    meant = {name: nearest for name in ("time", *names) if name not in found and (nearest := likely(name, headers))}
+    if meant:
+        likely_ones = " and ".join(f"{text!r} is the {name}" for name, text in meant.items())
+        told = " ".join(f"--column '{name}={text}'" for name, text in meant.items())
+        remedy += (
+            f"; if {likely_ones}, rename {'it' if len(meant) == 1 else 'them'}, or give {told} (columns= in Python)"
+        )
     if any("," in header.text or ";" in header.text or "\t" in header.text for header in headers):
         remedy += "; columns are separated by comma, semicolon or tab"
-    return InputError(f"the record needs the column {wanted}", f"{sheet.name} has {there}", remedy)
+    return InputError(f"the record needs the {what} {wanted}", _there(sheet), remedy)
 
 
-def misspelt(name: str, headers: tuple[Header, ...]) -> str | None:
+def likely(name: str, headers: Sequence[Header]) -> str | None:
+    """Return the text of the column that is likely a known one: by its name, or as the only one in such a unit."""
+    if nearest := misspelt(name, headers):
+        return nearest
+    unit = _unit_there(name, headers)
+    alike = [header.text for header in _others(headers) if header.unit and is_alike(header.unit, unit)]
+    return alike[0] if len(alike) == 1 else None
+
+
+def is_alike(unit: str, other: str) -> bool:
+    """Return whether two units measure the same, percent only itself."""
+    return unit == other or (other != "%" and is_unit_of(unit, other))
+
+
+def _unit_there(name: str, headers: Sequence[Header]) -> str:
+    """Return the unit that a known column likely has: percent where that is all that unknown ones are in."""
+    units = {header.unit for header in _others(headers) if header.unit}
+    in_percent = name in ("current", "position") and "%" in units
+    return "%" if in_percent and not any(is_unit_of(unit, DIMENSIONS[name]) for unit in units) else USUAL[name]
+
+
+def _there(sheet: Sheet) -> str:
+    return f"{sheet.name} has {', '.join(repr(header.text) for header in sheet.headers if header.text) or 'nothing'}"
+
+
+def _others(headers: Sequence[Header]) -> list[Header]:
+    """Return the columns that are not known."""
+    return [
+        header for header in headers if header.name and header.name not in DIMENSIONS and not _unbracketed(header.text)
+    ]
+
+
+def misspelt(name: str, headers: Sequence[Header]) -> str | None:
     """Return the text of the column that looks like a misspelling of a known name, if any."""
-    others = {
-        header.name: header.text
-        for header in headers
-        if header.name and header.name not in DIMENSIONS and not _unbracketed(header.text)
-    }
+    others = {header.name: header.text for header in _others(headers)}
     nearest = difflib.get_close_matches(name, list(others), n=1, cutoff=0.75)
     return others[nearest[0]] if nearest else None
 
@@ -90,7 +173,8 @@ def unread_time(header: Header, sheet: Sheet) -> InputError:
     return InputError(
         "the column of times is called 'time'; without one the rows are pairs of a settled loop",
         f"{sheet.name}: column {header.text!r} holds times and is not read",
-        f"rename it to {name!r}; if the rows are pairs of a settled loop, delete the column",
+        f"rename it to {name!r}, or give --column 'time={header.text}' (columns= in Python); "
+        "if the rows are pairs of a settled loop, delete the column",
     )
 
 

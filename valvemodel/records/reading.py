@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import stat
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,12 +16,20 @@ from valvemodel.records.column import Cells, Column, has_decimal_comma, read_col
 from valvemodel.records.delimited import read_delimited
 from valvemodel.records.doubts import doubts
 from valvemodel.records.frame import read_frame
-from valvemodel.records.header import DIMENSIONS, find_columns, missing_column, unread_time
+from valvemodel.records.header import (
+    DIMENSIONS,
+    find_columns,
+    missing_column,
+    not_there,
+    read_called,
+    unread_time,
+    with_told_unit,
+)
 from valvemodel.records.matlab import read_matlab
 from valvemodel.records.measurement import Measurement
 from valvemodel.records.parquet import read_parquet
 from valvemodel.records.record import Record
-from valvemodel.records.sheet import Sheet
+from valvemodel.records.sheet import Header, Sheet
 
 if TYPE_CHECKING:
     import pandas
@@ -42,6 +51,7 @@ def read_record(
     rated_travel: float | None = None,
     needs: tuple[str, ...] = ("current", "position"),
     allow_loop: bool = True,
+    columns: Mapping[str, str] | None = None,
 ) -> Record:
     """Read a record from a CSV, Parquet or MAT file, or from a DataFrame of pandas.
 
@@ -61,6 +71,9 @@ def read_record(
         needed, a defect in them is a warning.
     allow_loop : bool
         Whether a record without time will do.
+    columns : mapping of str to str, optional
+        What columns are called in the file where that is not their name here, as
+        `{"current": "Strom [mA]", "position [%]": "PV"}`; a unit that is told counts, not the file's.
 
     Returns
     -------
@@ -76,29 +89,30 @@ def read_record(
     --------
     >>> record = read_record("valve.csv")  # doctest: +SKIP
     """
+    called = read_called(columns or {})
     if isinstance(source, str | Path):
         path = Path(source)
-        sheet, name, place = _open(path), name or path.stem, str(path)
+        sheet, name, place = _open(path, called), name or path.stem, str(path)
     else:
         name, place = name or "table", None
         sheet = read_frame(source, name)
-    columns, warnings = _read(sheet, needs=needs, allow_loop=allow_loop)
+    read, warnings = _read(sheet, called, needs=needs, allow_loop=allow_loop)
     is_moving = "position" in needs
-    measurement = Measurement(sheet, columns)
+    measurement = Measurement(sheet, read)
     check_length(measurement, is_moving=is_moving)
-    for each in tuple(columns):
+    for each in tuple(read):
         try:
             check_column(measurement, each)
         except InputError as error:
-            if _is_required(each, columns, needs):
+            if _is_required(each, read, needs):
                 raise
-            warnings.append(_left_out(columns.pop(each), error))
+            warnings.append(_left_out(read.pop(each), error))
     if is_moving:
         check_motion(measurement)
     warnings += doubts(measurement, is_moving=is_moving)
-    position = columns.get("position")
+    position = read.get("position")
     in_percent = position is not None and position.is_percent
-    signals = {each: column.values for each, column in columns.items()}
+    signals = {each: column.values for each, column in read.items()}
     if in_percent and rated_travel is not None:
         signals["position"] = signals["position"] * rated_travel
     elif in_percent and is_moving:
@@ -112,7 +126,7 @@ def read_record(
     )
 
 
-def _open(path: Path) -> Sheet:
+def _open(path: Path, called: Mapping[str, Header]) -> Sheet:
     content = _load(path)
     name = path.name
     for magic, what in _OTHER_KINDS.items():
@@ -123,7 +137,7 @@ def _open(path: Path) -> Sheet:
         return read_parquet(content, name)
     if content.startswith((b"MATLAB", b"\x89HDF")) or suffix == ".mat":
         return read_matlab(content, name)
-    return read_delimited(content, name)
+    return read_delimited(content, name, called)
 
 
 def _load(path: Path) -> bytes:
@@ -154,22 +168,26 @@ def _load(path: Path) -> bytes:
     return content
 
 
-def _read(sheet: Sheet, *, needs: tuple[str, ...], allow_loop: bool) -> tuple[dict[str, Column], list[str]]:
+def _read(
+    sheet: Sheet, called: Mapping[str, Header], *, needs: tuple[str, ...], allow_loop: bool
+) -> tuple[dict[str, Column], list[str]]:
     """Return the columns in SI units, and what is to be said about how they were read."""
-    found = find_columns(sheet.headers)
+    found = find_columns(sheet.headers, called)
+    if absent := [own for name, own in called.items() if name not in found]:
+        raise not_there(absent[0], sheet)
     required = list(needs)
     if "current" in needs and "position" in needs and "current" not in found and "force" in found:
         required[required.index("current")] = "force"
     if not allow_loop and "time" not in required:
         required.insert(0, "time")
     if missing := [name for name in required if name not in found]:
-        raise missing_column(missing, sheet)
+        raise missing_column(missing, found, sheet)
     if "time" not in found and "current" in found:
         _check_no_times(sheet, found)
     names = [name for name in DIMENSIONS if name in found]
     numbers = [found[name][0] for name in names]
     cells = [
-        Cells(name, sheet.headers[number], series, sheet)
+        Cells(name, with_told_unit(sheet.headers[number], called.get(name)), series, sheet)
         for name, number, series in zip(names, numbers, sheet.read(numbers), strict=True)
     ]
     cells = [_dated(each, sheet) if each.name == "time" else each for each in cells]
