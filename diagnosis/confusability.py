@@ -10,7 +10,6 @@ import numpy as np
 
 from identification.fit import Fit
 from identification.screening import joined
-from identification.uncertainty import signals_of
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages import EFFECTS
 
@@ -82,7 +81,8 @@ def confusability(base_fit: Fit, library: Sequence[Effect] = EFFECTS) -> Confusa
     before = problem.residuals(point[None, :])[0]
     left = [traces_left(base_fit, effect, before, base) for effect in library]
     traces = [columns[:, 0] for columns in left]
-    count = sum(int(used.sum()) for used in problem.used) * signals_of(problem.experiments[0])
+    read = zip(problem.experiments, problem.used, strict=True)
+    count = sum(int(used.sum() + experiment.pressures_in(used).sum()) for experiment, used in read)
     visibility = np.array([np.linalg.norm(trace) for trace in traces]) / np.sqrt(count)
     is_visible = visibility >= LEAST_VISIBLE
     similarity = np.full((len(library), len(library)), np.nan)

@@ -222,7 +222,7 @@ class Diagnosis(Told):
                 "file": "base.json",
                 "numbers": [vars(each) for each in self.base_numbers],
             },
-            "signals": ["current", "position"] + ["pressure"] * (self.experiments[0].pressure is not None),
+            "signals": ["current", "position"] + ["pressure"] * self.base.problem.has_pressure,
             "not_tried": self.not_tried,
             "untried_aliases": self.untried_aliases,
             "records": [experiment.name for experiment in self.experiments],

@@ -224,7 +224,7 @@ def errors_on_some(mine: Score, base: Score, *, spares: bool) -> tuple[float, fl
 def without_gain(mine: Errors, base: Errors, block: int) -> float:
     """Return the mean weighted square of the base's run as if it had missed no more than a cause's in one block."""
     gain = max(float(base.weighted[block] - mine.weighted[block]), 0.0)
-    return base.mean - gain / float(base.counts.sum() * base.signals)
+    return base.mean - gain / float(base.readings.sum())
 
 
 def without_block(errors: Errors, block: int) -> Errors:
@@ -234,6 +234,7 @@ def without_block(errors: Errors, block: int) -> Errors:
         squares=np.delete(errors.squares, block),
         weighted=np.delete(errors.weighted, block),
         counts=np.delete(errors.counts, block),
+        readings=np.delete(errors.readings, block),
     )
 
 

@@ -91,11 +91,10 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
     quantities: dict[str, list[np.ndarray]] = {"position": [], "speed": [], "time": [], "pressure": []}
     for each in experiments:
         assert each.pressure is not None
-        force = model.values["diaphragm_area"] * each.pressure
+        time, pressure, position = _without_gaps(each.time, each.pressure, each.position)
+        force = model.values["diaphragm_area"] * pressure
         try:
-            signals = prepare_signals(
-                Record.from_arrays(each.name, time=each.time, force=force, position=each.position)
-            )
+            signals = prepare_signals(Record.from_arrays(each.name, time=time, force=force, position=position))
             residuals.append(fit_stem(signals).residual)
         except InputError:
             return
@@ -109,6 +108,13 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
     residual, direction = _joined(residuals), _joined(directions)
     yield from curves_against("force", "N", "stem", residual, against)
     yield from curves_against("friction", "N", "stem", residual * direction, against)
+
+
+def _without_gaps(time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return times and signals, shape (n,) each, from where all are known first to last, straight over gaps within."""
+    known = np.flatnonzero(np.isfinite(signals).all(axis=0))
+    rows = slice(known[0], known[-1] + 1)
+    return time[rows], *(np.interp(time[rows], time[known], signal[known]) for signal in signals)
 
 
 def curves_of_own_signals(explained: Sequence[Explained]) -> Iterator[Curve]:

@@ -30,8 +30,8 @@ class Errors:
         Of position and pressure, in units of the noise.
     counts : array, shape (blocks,)
         Samples of position.
-    signals : int
-        Signals that are scored: position, and pressure where it was measured.
+    readings : array, shape (blocks,)
+        Readings of position, and of pressure where it was measured.
     persistence : float
         Samples that count as one: twice the sum of the error's autocorrelation, and 1.
     """
@@ -39,7 +39,7 @@ class Errors:
     squares: np.ndarray
     weighted: np.ndarray
     counts: np.ndarray
-    signals: int
+    readings: np.ndarray
     persistence: float
 
     @property
@@ -50,7 +50,7 @@ class Errors:
     @property
     def mean(self) -> float:
         """Mean weighted square: 1 where the noise is reached."""
-        return float(self.weighted.sum() / (self.counts.sum() * self.signals))
+        return float(self.weighted.sum() / self.readings.sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,25 +107,29 @@ def score_of(errors: Sequence[Errors]) -> Score:
 
 def errors_of(holdout: Holdout, simulated: Sequence[Simulated]) -> Errors:
     """Compare simulated positions and pressures, one row each, with the samples that were kept back."""
-    squares, weighted, counts, persistence = [], [], [], [1.0]
+    squares, weighted, counts, readings, persistence = [], [], [], [], [1.0]
     for experiment, one, mask in zip(holdout.scored_experiments, simulated, holdout.scored, strict=True):
         error = np.where(mask, experiment.position - one.position[0], 0.0)
         error = np.where(np.isfinite(error), error, LOST)
         blocks = np.unique(experiment.block[mask])
         last = experiment.block.max() + 1
-        by_block = np.bincount(experiment.block, error**2, last)[blocks]
         counted = np.where(mask, squares_of(experiment, one), 0.0)
         counted = np.where(np.isfinite(counted), counted, (LOST / experiment.noise) ** 2)
         total = np.bincount(experiment.block, counted, last)[blocks]
+        count = np.bincount(experiment.block, mask, last)[blocks]
+        read = count
         if experiment.pressure is not None:
-            off = np.where(mask, (experiment.pressure - one.pressure[0]) / experiment.pressure_noise, 0.0)
+            is_read = experiment.pressures_in(mask)
+            off = np.where(is_read, (experiment.pressure - one.pressure[0]) / experiment.pressure_noise, 0.0)
             total = total + np.bincount(experiment.block, off**2, last)[blocks]
-        squares.append(by_block)
+            read = count + np.bincount(experiment.block, is_read, last)[blocks]
+        squares.append(np.bincount(experiment.block, error**2, last)[blocks])
         weighted.append(total)
-        counts.append(np.bincount(experiment.block, mask, last)[blocks])
+        counts.append(count)
+        readings.append(read)
         persistence.append(persistence_of(error[mask]))
-    signals = 1 if holdout.scored_experiments[0].pressure is None else 2
-    return Errors(np.concatenate(squares), np.concatenate(weighted), np.concatenate(counts), signals, max(persistence))
+    of_position, of_all, samples, read = map(np.concatenate, (squares, weighted, counts, readings))
+    return Errors(of_position, of_all, samples, read, max(persistence))
 
 
 def squares_of(experiment: Experiment, simulated: Simulated) -> np.ndarray:

@@ -329,7 +329,7 @@ def scored_on_blocks(diagnosis: StemDiagnosis) -> Scored:
             Cause(
                 effects=each.effects,
                 probability=each.probability,
-                errors=Errors(squares, squares, counts, 1, persistence),
+                errors=Errors(squares, squares, counts, counts, persistence),
                 parameters=parameters_of(each.fit),
                 closed=each.gap_closed,
                 closed_interval=each.gap_closed_interval,
@@ -397,7 +397,8 @@ def errors_of_rows(errors: np.ndarray, blocks: np.ndarray) -> Errors:
     """Score errors by block. [N]"""
     numbers = np.unique(blocks, return_inverse=True)[1]
     squares = np.bincount(numbers, errors**2)
-    return Errors(squares, squares, np.bincount(numbers), 1, max(1.0, persistence_of(errors)))
+    counts = np.bincount(numbers)
+    return Errors(squares, squares, counts, counts, max(1.0, persistence_of(errors)))
 
 
 def weigh(

@@ -233,6 +233,10 @@ class Experiment:
         """
         return _worth_in_steps(self, step) if step > 0.0 else np.ones(len(self.time))
 
+    def pressures_in(self, samples: np.ndarray) -> np.ndarray:
+        """Return in which of some samples, a mask of shape (n,), the pressure was measured: in none without one."""
+        return np.zeros(len(samples), bool) if self.pressure is None else samples & np.isfinite(self.pressure)
+
     def errors_of(self, simulated: Simulated, within: float = HALF_A_STEP) -> np.ndarray:
         """Return measured less simulated positions, shape (rows, n), as they count: squared and summed. [noise]
 

@@ -25,7 +25,10 @@ def told_by_pressure(problem: Problem) -> list[int]:
 
 def seen_by_pressure(problem: Problem, point: np.ndarray, told: list[int]) -> tuple[Problem, Found]:
     """Fit the unknowns that the pressure tells, whose numbers are given, to it alone, whatever the stem does."""
-    blind = [replace(experiment, noise=np.inf) for experiment in problem.experiments]
+    blind = [
+        replace(experiment, noise=np.inf, position=np.nan_to_num(experiment.position))
+        for experiment in problem.experiments
+    ]
     front = replace(problem, experiments=blind, unknowns=[problem.unknowns[n] for n in told])
     return front, descend(front, point[told], evaluations=15, precision=1e-5)
 

@@ -108,9 +108,13 @@ class Problem:
             simulated = self.simulated(points, number)
             experiment.fill_errors(residuals, first, simulated, places, within=self.within, lost=LOST)
             if experiment.pressure is not None:
-                missed = (experiment.pressure[places] - simulated.pressure[:, places]) / experiment.pressure_noise
+                measured = experiment.pressure[places]
+                missed = (measured - simulated.pressure[:, places]) / experiment.pressure_noise
                 pressures = slice(first + len(places), first + counts[number])
-                residuals[:, pressures] = np.where(np.isfinite(missed), missed, LOST)
+                # A pressure that was not measured where the position was counts for nothing.
+                residuals[:, pressures] = np.where(
+                    np.isfinite(measured), np.where(np.isfinite(missed), missed, LOST), 0.0
+                )
             first += counts[number]
         residuals[:, first:] = points / self.prior_spreads
         return residuals
@@ -201,8 +205,7 @@ class Problem:
         """
         squares = 0.0
         for experiment, used in zip(self.experiments, self.used, strict=True):
-            left = self.left_by_noise(experiment)
-            squares += float(used.sum()) * (left + (0.0 if experiment.pressure is None else 1.0))
+            squares += float(used.sum()) * self.left_by_noise(experiment) + float(experiment.pressures_in(used).sum())
         return 0.5 * squares
 
     def left_by_noise(self, experiment: Experiment) -> float:

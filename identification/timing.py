@@ -9,6 +9,7 @@ import numpy as np
 from identification.adequacy import adequate
 from identification.experiment import Experiment, experiment_of
 from identification.mending import mend
+from identification.mending.lone_pressure import without_lone_pressure
 from identification.noise import noise_level, reading_step
 from valvemodel.records import Record
 
@@ -50,9 +51,10 @@ def experiments_of(records: Sequence[Record], *, is_ramped: bool = False) -> tup
     InputError
         If nothing can be fitted to any of them, or in one the stem moves before its current.
     """
+    records, notes = without_lone_pressure(records)
     mended = [mend(record) for record in records]
     read_at_end = are_read_at_end([record for record, _ in mended])
-    notes = [note for _, said in mended for note in said] + [END_OF_PERIOD] * any(read_at_end)
+    notes += [note for _, said in mended for note in said] + [END_OF_PERIOD] * any(read_at_end)
     experiments = [
         experiment_of(record, reads_at_end=reads_at_end, is_ramped=is_ramped)
         for (record, _), reads_at_end in zip(mended, read_at_end, strict=True)

@@ -112,20 +112,17 @@ def covariance(jacobian: np.ndarray, residual: np.ndarray, block: np.ndarray) ->
 
 
 def blocks_of(fit: Fit) -> np.ndarray:
-    """Return the block in time of each residual of a fit, -1 for the priors, shape (r,)."""
+    """Return the block in time of each residual of a fit, -1 for the priors and what counts for nothing, shape (r,)."""
     parts: list[np.ndarray] = []
     first = 0
     for experiment, used in zip(fit.problem.experiments, fit.problem.used, strict=True):
         numbers = first + experiment.block[used]
-        parts += [numbers] * signals_of(experiment)
+        parts.append(numbers)
+        if experiment.pressure is not None:
+            parts.append(np.where(experiment.pressures_in(used)[used], numbers, -1))
         first += int(experiment.block.max()) + 1
     parts.append(np.full(len(fit.unknowns), -1))
     return np.concatenate(parts)
-
-
-def signals_of(experiment: Experiment) -> int:
-    """Return how many signals of an experiment are compared: position, and pressure where it was measured."""
-    return 1 if experiment.pressure is None else 2
 
 
 def rms_of(fit: Fit, experiments: Sequence[Experiment], masks: Sequence[np.ndarray]) -> float:

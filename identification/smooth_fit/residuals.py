@@ -102,7 +102,9 @@ class _Run:
         experiment = self._experiment
         parts = [outputs[0][self._used] / experiment.noise]
         if experiment.pressure is not None:
-            parts.append(outputs[1][self._used] / experiment.pressure_noise)
+            pressures = outputs[1][self._used] / experiment.pressure_noise
+            pressures[~np.isfinite(experiment.pressure[self._used])] = 0.0
+            parts.append(pressures)
         return np.concatenate(parts)
 
     def residuals(self, point: np.ndarray, width: float) -> np.ndarray:

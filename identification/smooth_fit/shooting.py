@@ -129,7 +129,8 @@ class _Segments:
         if experiment.pressure is None:
             return residuals
         pressures = self._chain.pressure.map(self._rows + 1)(states, self._p).T
-        left = (ca.DM(experiment.pressure[self._used]) - pressures[index]) / experiment.pressure_noise
+        read = self._used[np.isfinite(experiment.pressure[self._used])]
+        left = (ca.DM(experiment.pressure[read]) - pressures[read.tolist()]) / experiment.pressure_noise
         return ca.vertcat(residuals, left)
 
 

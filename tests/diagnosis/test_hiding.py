@@ -18,7 +18,7 @@ from valvemodel.effects import effect_of_key
 
 def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
     counts = np.full(12, 100)
-    errors = Errors(misfit * counts, misfit * counts, counts, 1, 1.0)
+    errors = Errors(misfit * counts, misfit * counts, counts, counts, 1.0)
     experiment = SimpleNamespace(has_stairs=False)
     model = SimpleNamespace(effects=dict.fromkeys(effects))
     problem, found = SimpleNamespace(experiments=[experiment], noise_error=100.0), SimpleNamespace(error=100.0 * misfit)

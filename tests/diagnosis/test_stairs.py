@@ -110,7 +110,7 @@ def test_reading_in_steps_is_right_within_half_a_step(quiet):
 
 def score_of(*weighted: float) -> Score:
     counts = np.full(len(weighted), 100)
-    run = Errors(np.array(weighted), 100.0 * np.array(weighted), counts, 1, 1.0)
+    run = Errors(np.array(weighted), 100.0 * np.array(weighted), counts, counts, 1.0)
     return Score(run, run)
 
 
