@@ -40,6 +40,7 @@ from identification.uncertainty import Estimate, estimates
 from valvemodel.effects import are_aliases, effect_of_key, jumps
 from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
+from valvemodel.quantities import format_quantity
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
 
@@ -345,7 +346,13 @@ def diagnose_with(
         ceiling=ceiling_of(base, holdout, is_anchored=yardstick == "anchored"),
         residual_curves=curves_left(verdict, shown, experiments, whole_base, likely),
         steps=steps_of(as_given, tried, shown, floor, yardstick),
-        warnings=(*(each for record in records for each in record.warnings), *notes, *searched.notes, *control.notes),
+        warnings=(
+            *(each for record in records for each in record.warnings),
+            *notes,
+            *searched.notes,
+            *said_of_given(as_given, holdout),
+            *control.notes,
+        ),
         seconds=time.perf_counter() - began,
     )
 
@@ -377,6 +384,19 @@ def errors_as_given(model: Model, holdout: Holdout, yardstick: str) -> Errors:
         for experiment in holdout.scored_experiments
     ]
     return errors_of(holdout, simulated)
+
+
+def said_of_given(as_given: Errors, holdout: Holdout) -> list[str]:
+    """Return what is to be said of a model as given that is farther off than the stem moves: it is of another valve."""
+    scored = zip(holdout.scored_experiments, holdout.scored, strict=True)
+    travel = max(float(np.ptp(experiment.position[mask])) for experiment, mask in scored)
+    if as_given.rms <= travel:
+        return []
+    off, way = (format_quantity(each, "m", digits=2) for each in (as_given.rms, travel))
+    return [
+        f"the model as given is {off} off, more than the stem moves ({way}): it is another valve's, and the gap as "
+        "given says nothing; give the valve's own numbers (--valve; `valvemodel valves calibrated --toml` has a form)"
+    ]
 
 
 def order_of(candidates: Sequence[Candidate], judgement: Judgement) -> list[int]:

@@ -27,11 +27,11 @@ BASE_PARAMETERS = (
         scale="log",
         is_fitted=False,
     ),
-    Parameter("gap_offset", "m", "c0, the gap at no current", 1e-6, 1e-2, 126.30e-6, scale="log"),
+    Parameter("gap_offset", "m", "c0, the gap of the flapper at no current", 1e-6, 1e-2, 126.30e-6, scale="log"),
     Parameter(
         "gap_gain",
         "m/A^0.5",
-        "E, closing of the gap with the root of the current",
+        "E, closing of the flapper's gap with the root of the current",
         1e-7,
         1.0,
         750.1e-6,

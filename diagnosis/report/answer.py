@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.report.naming import NO_BREAK_SPACE, capitalised, printable, tied
-from diagnosis.report.words import Answer, make_answer
+from diagnosis.report.words import Answer, ParameterWords, make_answer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -86,8 +86,14 @@ def _causes(answer: Answer) -> list[str]:
         lines.append(f"{cause.probability_text:>9}  {cause.title}{closes}")
         if cause.effects and not has_parameters:
             has_parameters = True
-            lines += [f"{'':11}{each.name} = {each.value}" for effect in cause.effects for each in effect.parameters]
+            lines += [_parameter(each) for effect in cause.effects for each in effect.parameters]
     return lines
+
+
+def _parameter(found: ParameterWords) -> str:
+    """Return the line of a parameter, with what it means."""
+    meaning = f": {found.meaning}" if found.meaning else ""
+    return f"{'':11}{found.name} = {found.value}{meaning}"
 
 
 def _cannot_tell(answer: Answer) -> list[str]:

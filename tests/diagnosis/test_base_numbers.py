@@ -59,5 +59,5 @@ def test_numbers_are_told_in_words(told):
 def test_letters_of_the_paper_are_left_out_of_the_sentence():
     number = {"name": "gap_offset", "unit": "m", "given": 126e-6, "refitted": 119e-6, "found": 119e-6, "std": None}
     content = {"base": {"numbers": [number | {"gap_as_given": 0.03}]}, "gap": {"as_given": 0.02, "refitted": 1e-3}}
-    assert "the gap at no current matters most" in refit_sentence(content)
+    assert "the gap of the flapper at no current matters most" in refit_sentence(content)
     assert number_rows(content)[0].found == "not determined"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import Truth, draw_plant, measure
-from diagnosis.diagnosing import Diagnosis, diagnose
+from diagnosis.diagnosing import Diagnosis, diagnose, errors_as_given, said_of_given
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
 from identification.holdout import hold_out
@@ -145,6 +145,15 @@ def test_coarse_readings_are_not_taken_for_readings_at_the_end_of_their_period(s
         assert not answers_own_row(
             Record.from_arrays(name="coarse", time=record.time, current=record.current, position=coarse)
         )
+
+
+def test_a_model_of_another_valve_is_said_to_be_one(viscous: Diagnosis) -> None:
+    holdout = viscous.holdout
+    other = viscous.given.with_values(spring_rate=0.2 * viscous.given.values["spring_rate"])
+    off = errors_as_given(other, holdout, "free")
+    assert off.rms > 0.5
+    assert "it is another valve's" in said_of_given(off, holdout)[0]
+    assert said_of_given(viscous.as_given, holdout) == []
 
 
 def test_held_out_samples_are_not_fitted() -> None:

@@ -42,6 +42,32 @@ def test_file_is_read_in_its_own_units(tmp_path):
     assert valve.entries["spring_preload"].source.startswith("not given")
 
 
+def based(tmp_path, names, more="", base="calibrated"):
+    path = write(tmp_path, {name: ENTRIES[name] for name in names}, more)
+    path.write_text(f'based_on = "{base}"\n' + path.read_text())
+    return path
+
+
+def test_what_a_data_sheet_lacks_is_taken_from_the_set_that_the_file_is_based_on(tmp_path):
+    valve, calibrated = read_valve(based(tmp_path, ["spring_rate", "diaphragm_area"])), read_valve("calibrated")
+    own = {name: value for name, value in valve.values.items() if value != calibrated.values[name]}
+    assert own.keys() == {"spring_rate", "diaphragm_area"}
+    assert valve.entries["gap_gain"].source == "not given: as in calibrated"
+    assert not valve.entries["gap_gain"].is_given
+
+
+def test_how_the_current_makes_the_pressure_is_not_mixed_of_two_valves(tmp_path):
+    with pytest.raises(InputError, match="lacks gap_offset, gap_gain"):
+        read_valve(based(tmp_path, ["flow_ratio"]))
+    whole = based(tmp_path, ["flow_ratio", "gap_offset", "gap_gain"], base="linear")
+    assert read_valve(whole).values["pressure_per_current"] == 0.0
+
+
+def test_a_file_is_based_on_a_set(tmp_path):
+    with pytest.raises(InputError, match="choose calibrated or linear or table2"):
+        read_valve(based(tmp_path, ["spring_rate"], base="mine.toml"))
+
+
 def test_rated_travel_follows_from_the_stops(tmp_path):
     entries = {**ENTRIES, "travel_min": ("0", "mm"), "travel_max": ("40", "mm")}
     assert read_valve(write(tmp_path, entries)).values["rated_travel"] == pytest.approx(0.04)

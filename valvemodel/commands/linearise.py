@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Examples:
   valvemodel linearise --at "12 mA"
   valvemodel linearise --at "8 mA" --mode falling --effect coil_lag --out linear
-  valvemodel linearise --at "12 mA" --valve linear --effect static_friction --limit-cycle
+  valvemodel linearise --at "12 mA" --valve linear --effect static_friction --limit-cycle \\
       --kp "0 mA/mm" --ki "0.4 mA/(mm*s)" --out cycle
   valvemodel linearise --model report/base.json --at "12 mA" --limit-cycle --lag "5 s" --dead-time "1 s" """,
 )

@@ -22,11 +22,13 @@ if TYPE_CHECKING:
 Examples:
   valvemodel valves
   valvemodel valves table2
+  valvemodel valves calibrated --toml > my_valve.toml
   valvemodel valves my_valve.toml --json""",
 )
 @click.argument("names", nargs=-1, metavar="[SET|FILE]...", shell_complete=complete_valves)
+@click.option("--toml", "as_toml", is_flag=True, help="Print the file of one set: a form for a valve of your own.")
 @json_option
-def valves(names: tuple[str, ...], as_json: bool) -> None:
+def valves(names: tuple[str, ...], as_toml: bool, as_json: bool) -> None:
     """List the valve sets with what is doubtful about them, or show every entry of those named.
 
     A valve of your own is a TOML file with a table for each number:
@@ -36,9 +38,17 @@ def valves(names: tuple[str, ...], as_json: bool) -> None:
       value = 52.5
       unit = "N/mm"
       source = "data sheet"
-    """
-    from valvemodel.valves import read_valve, valve_names
 
+    With the line `based_on = "calibrated"` on top it may lack numbers, as of friction and nozzle: they are taken
+    from that set, and a fit or a diagnosis finds what they are.
+    """
+    from valvemodel.valves import read_valve, valve_names, valve_text
+
+    if as_toml:
+        if as_json or len(names) != 1:
+            raise click.UsageError("--toml goes with one valve set, and not with --json.")
+        click.echo(valve_text(names[0]), nl=False)
+        return
     found = [read_valve(name) for name in names or valve_names()]
     if as_json:
         _print_json(found)
@@ -94,7 +104,7 @@ def _as_json(valve: Valve) -> dict[str, Any]:
 
 
 def _list(console: Console, found: list[Valve]) -> None:
-    from valvemodel.valves import figures
+    from valvemodel.valves import figures, plausibility
 
     table = _table("valve", "pressure at 4..20 mA", "travel", "damping ratio", "what it is")
     for valve in found:
@@ -108,7 +118,9 @@ def _list(console: Console, found: list[Valve]) -> None:
         )
     console.print(table)
     for valve in found:
-        _warn(console, valve)
+        if count := len(plausibility(valve)):
+            name = _plain(valve.name)
+            console.print(f"[yellow]{count} warnings[/yellow] about {name}: `valvemodel valves {name}` shows them")
 
 
 def _show(console: Console, valve: Valve) -> None:

@@ -57,6 +57,9 @@ _DERIVED_BY = {
     "gap_offset": "derived from the coil, eq. (31)",
     "gap_gain": "derived from the coil, eq. (31)",
 }
+_PRESSURE = ("flow_ratio", "gap_offset", "gap_gain", "pressure_at_zero_current", "pressure_per_current")
+"""How the current makes the pressure, by the gap or by a straight line."""
+
 _FORMS = ("corrected", "as printed")
 _DERIVATIONS: dict[tuple[str, str], Callable[..., float]] = {
     ("flow_ratio", "corrected"): numeric.flow_ratio,
@@ -137,6 +140,7 @@ class _Reader:
         self.name, self.source, self.text = name, source, text
         self.what = content.pop("what", "")
         self.form = content.pop("equations", _FORMS[0])
+        self.based_on = content.pop("based_on", None)
         self.content = content
 
     def valve(self) -> Valve:
@@ -149,6 +153,8 @@ class _Reader:
             )
         entries = {key: self._entry(key, entry) for key, entry in self.content.items()}
         given = {key: self._si(key, entry) for key, entry in entries.items()}
+        taken = self._taken(given)
+        given |= {key: value for key, (value, _) in taken.items()}
         self._check_complete(given)
         values = {name: given.get(name, parameter.neutral) for name, parameter in _BASE.items()}
         for name in _RAW_OF:
@@ -168,10 +174,37 @@ class _Reader:
             if math.isfinite(span):
                 values["rated_travel"] = span
                 entries["rated_travel"] = Entry(span, "m", "derived: travel_max less travel_min", False)
+        entries |= {name: entry for name, (_, entry) in taken.items()}
         for name, parameter in _BASE.items():
             if name not in entries:
                 entries[name] = Entry(values[name], parameter.unit, _absence(name), False)
         return Valve(self.name, values, entries, self.what, self.source)
+
+    def _taken(self, given: Mapping[str, float]) -> dict[str, tuple[float, Entry]]:
+        """Return what is taken from the set that the file is based on: what a data sheet lacks, each with its entry.
+
+        Of how the current makes the pressure all is taken or nothing.
+        """
+        if self.based_on is None:
+            return {}
+        if self.based_on not in valve_names():
+            raise self._error(
+                "based_on",
+                "a file is based on a valve set",
+                f"got {self.based_on!r}",
+                f"choose {' or '.join(valve_names())}",
+            )
+        base = read_valve(self.based_on)
+        own_pressure = any(name in given for name in (*_PRESSURE, *_RAW_UNITS))
+        left_out = {*given, "rated_travel"} | (set(_PRESSURE) if own_pressure else set())
+        names = [name for name in _BASE if name not in left_out and math.isfinite(base.values[name])]
+        return {
+            name: (
+                base.values[name],
+                Entry(base.values[name], _BASE[name].unit, f"not given: as in {self.based_on}", False),
+            )
+            for name in names
+        }
 
     def _entry(self, key: str, entry: Any) -> Entry:
         known = [*_BASE, *_RAW_UNITS]
@@ -236,7 +269,8 @@ class _Reader:
             raise InputError(
                 "a valve has all numbers of the base model",
                 f"{self.source} lacks {', '.join(dict.fromkeys(missing))}",
-                f"add a table for each, like [{missing[0]}]; {_REMEDY}",
+                f"add a table for each, like [{missing[0]}]; {_REMEDY}; "
+                'or write based_on = "calibrated" on top, to take from there what a data sheet lacks',
             )
 
     def _derived(self, name: str, given: Mapping[str, float]) -> float:
@@ -258,6 +292,19 @@ class _Reader:
         )
         line = f", line {self.text.count(chr(10), 0, match.start()) + 1}" if match else ""
         return InputError(rule, f"{self.source}{line}, {key}: {arrived}", remedy)
+
+
+def valve_text(name: str) -> str:
+    """Return the file of a valve set, a form to fill in for a valve of one's own.
+
+    Raises
+    ------
+    InputError
+        If there is no such set.
+    """
+    if name not in valve_names():
+        raise unknown_name("a valve set", name, valve_names())
+    return (resources.files("valvemodel.valves") / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def _absence(name: str) -> str:
