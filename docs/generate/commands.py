@@ -61,6 +61,7 @@ with mkdocs_gen_files.open("navigation.md", "w") as navigation:
 * Explanation
     * [The valve and its physics](explanation/physics.md)
     * [How a cause is found and judged](explanation/diagnosis.md)
+    * [Blind tests: how often it is right](blind_tests.md)
     * [The paper's equations](explanation/derivations.md)
 * Effect library
     * [Electromagnet](effects/electromagnet.md)

@@ -22,6 +22,12 @@ def test_one_effect_is_shown_whole(command, effect):
     output = " ".join(command("effects", effect.key).output.split())
     for text in (effect.title, effect.meaning, effect.source, *(each.name for each in effect.shown)):
         assert text in output
+    equation = output.split(" equation ")[1].split(" source ")[0]
+    assert not set(equation) & set("\\{}"), "an equation on a terminal is no LaTeX"
+
+
+def test_exponent_of_several_parts_keeps_its_brackets(command):
+    assert "(P/P_1)^(n - 1)" in command("effects", "pressure_dependent_friction").output
 
 
 def test_json_is_for_machines(command):

@@ -24,10 +24,24 @@ Examples:
   valvemodel blindtest --every 5 --out slow
   valvemodel blindtest --current-noise "0.008 mA" --out measured""",
 )
-@click.option("--plants", type=click.IntRange(min=1), default=200, show_default=True, help="How many valves.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Another one, other valves.")
 @click.option(
-    "--jobs", type=click.IntRange(min=1), default=2, show_default=True, help="Valves at the same time, one core each."
+    "--plants", type=click.IntRange(min=1), metavar="N", default=200, show_default=True, help="How many valves."
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    metavar="N",
+    default=0,
+    show_default=True,
+    help="Another number draws other valves.",
+)
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=2,
+    show_default=True,
+    help="Valves at the same time, one core each.",
 )
 @click.option(
     "--kinds",
@@ -47,9 +61,10 @@ Examples:
 @click.option(
     "--every",
     type=click.IntRange(min=1),
+    metavar="N",
     default=1,
     show_default=True,
-    help="Read every so many rows alone, as a logger does that is slower than what drives the valve.",
+    help="Keep every Nth row only, as a logger does that is slower than what drives the valve.",
 )
 @click.option(
     "--current-noise",

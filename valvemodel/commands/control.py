@@ -60,10 +60,11 @@ Examples:
     show_default=True,
     help="Disturbance: a force on the stem in the second half of each set point, positive against a rise.",
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="Of the noise.")
 @click.option(
     "--tuning-runs",
     type=click.IntRange(min=40),
+    metavar="N",
     default=400,
     show_default=True,
     help="Settings that each controller may try; the same number for all; fewer for a slow valve.",
@@ -74,7 +75,7 @@ Examples:
     is_flag=True,
     help="Instead, test the paper's claims over a grid of friction, gains, periods, noise and ageing (about 40 s).",
 )
-@click.option("--coarse", is_flag=True, help="With --claims: two levels a factor only.")
+@click.option("--coarse", is_flag=True, help="With --claims: only two levels of each factor.")
 @click.option(
     "--out",
     required=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -103,7 +104,7 @@ def _show(console: Console, effect: Effect) -> None:
     console.print(f"[bold]{effect.key}[/bold]  {_plain(effect.title)} ({effect.stage})")
     lines = {
         "meaning": effect.meaning,
-        "equation": effect.equation,
+        "equation": _on_a_line(effect.equation),
         "source": effect.source,
         "comes close to": ", ".join(effect.aliases),
         "told apart by": effect.told_apart_by,
@@ -131,6 +132,15 @@ def _show(console: Console, effect: Effect) -> None:
     first = next((each for each in effect.parameters if each.typical not in (None, each.neutral)), None)
     if first is not None:
         click.echo(f"Try it: valvemodel simulate --effect {effect.key}:{first.name}={first.typical:g} ...")
+
+
+def _on_a_line(equation: str) -> str:
+    """Return an equation in LaTeX as plain text; an exponent of several parts keeps its brackets."""
+    from pylatexenc.latex2text import LatexNodes2Text
+
+    grouped = re.sub(r"\^\{([^{}]*[^{}\w][^{}]*)\}", r"^{(\1)}", equation)
+    text: str = LatexNodes2Text(math_mode="text").latex_to_text(grouped)
+    return " ".join(text.split())
 
 
 def _bracketed(parameter: Parameter) -> str:
