@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -91,9 +92,9 @@ def _causes(answer: Answer) -> list[str]:
 
 
 def _parameter(found: ParameterWords) -> str:
-    """Return the line of a parameter, with what it means."""
-    meaning = f": {found.meaning}" if found.meaning else ""
-    return f"{'':11}{found.name} = {found.value}{meaning}"
+    """Return the line of a parameter, with what it means, less the letter that it has in the equation."""
+    meaning = re.sub(r"^\S{1,4}: ", "", found.meaning)
+    return f"{'':11}{found.name} = {found.value}" + (f" ({meaning})" if meaning else "")
 
 
 def _cannot_tell(answer: Answer) -> list[str]:

@@ -213,6 +213,13 @@ def test_a_number_that_no_fit_moved_is_said_with_its_unit_and_where_it_comes_fro
     assert said in printed(diagnosis)
 
 
+def test_a_parameter_is_said_with_what_it_means_without_its_letter() -> None:
+    diagnosis = effect()[0]
+    slowness = {"filling_slowness": {"value": 2e-6, "unit": "s/Pa", "std": 1e-8}}
+    diagnosis["causes"] = [cause(["asymmetric_filling"], 0.9, 1e-4, 0.99, parameters={"asymmetric_filling": slowness})]
+    assert "(inverse of a rate limit, of venting where positive" in joined(printed(diagnosis))
+
+
 @pytest.mark.parametrize("yardstick", ["free run", "re-anchored on the measured position every 2 s"])
 def test_a_gap_of_re_anchored_runs_is_said_to_be_one(yardstick: str) -> None:
     diagnosis = effect()[0]
