@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from identification.adequacy import undetermined_by
 from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
 from identification.determined.profile import Ends, profile
@@ -174,11 +175,16 @@ def _reason(estimate: Estimate, directions: Sequence[Direction]) -> str:
 
 
 def _profiled(account: Account, fit: Fit, ends: dict[str, Ends]) -> Account:
-    """Take the profile's intervals: one that is open, or as wide as the prior, says nothing of its parameter."""
-    reasons = {}
+    """Take the profile's intervals: one that is open, or as wide as the prior, says nothing of its parameter.
+
+    What the experiments cannot tell stays open, however narrow its interval is.
+    """
+    reasons, lacking = {}, undetermined_by(fit.problem.experiments)
     for unknown in fit.unknowns:
         low, high = ends.get(unknown.name, (unknown.centre, unknown.centre))
-        if low is None or high is None:
+        if unknown.name in lacking:
+            reasons[unknown.name] = lacking[unknown.name]
+        elif low is None or high is None:
             side = "either way" if low is high else "downwards" if low is None else "upwards"
             reasons[unknown.name] = f"its interval is open {side}"
         elif unknown.scaled(high) - unknown.scaled(low) > WIDEST_INTERVAL * unknown.prior_spread:

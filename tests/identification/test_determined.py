@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from identification.adequacy import ONE_WAY
 from identification.determined.account import account_of, limits_of
 from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
@@ -125,6 +126,18 @@ def test_directions_say_what_is_not_determined(made: tuple[Record, Fit]) -> None
     assert account.intervals["stem_mass"][0] is None or account.intervals["stem_mass"][1] is None
     assert "open" in account.open["stem_mass"]
     assert "spring_rate" not in account.open
+
+
+def test_what_the_records_cannot_tell_stays_open_in_a_profile() -> None:
+    time = np.arange(500) / 50.0
+    current = 5e-3 + 1.2e-3 * time
+    position = simulate(nominal(), time=time, current=current).position
+    position = position + NOISE * np.random.default_rng(2).standard_normal(len(time))
+    record = Record.from_arrays(name="rising", time=time, current=current, position=position)
+    fit = fit_base(nominal(), [experiment_of(record)])
+    account = account_of(fit, estimates(fit), record, has_profile=True)
+    assert account.open["coulomb_friction"] == ONE_WAY
+    assert "open" in account.open["stem_mass"]
 
 
 def test_profile_bootstrap_and_covariance_agree_where_the_error_is_a_bowl(made: tuple[Record, Fit]) -> None:
