@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from identification.determined.neighbourhood import Neighbourhood
-from identification.experiment import Experiment, simulate_rows
+from identification.experiment import Experiment
 from identification.uncertainty import CONFIDENCE
 
 Progress = Callable[[str, float], None]
@@ -46,14 +46,8 @@ def bootstrap(
 
 
 def _trajectory(near: Neighbourhood, number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return position and pressure of the solution on one experiment."""
-    problem = near.problem
-    run = simulate_rows(
-        problem.experiments[number],
-        problem.rows(near.point[None, :], number),
-        tolerance=problem.tolerance,
-        with_pressure=True,
-    )
+    """Return position and, where it was measured, pressure of the solution on one experiment, run as it was fitted."""
+    run = near.problem.simulated(near.point[None, :], number)
     return run.position[0], run.pressure[0]
 
 

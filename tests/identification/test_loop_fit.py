@@ -5,6 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from identification.determined.bootstrap import bootstrap
+from identification.determined.neighbourhood import neighbourhood_of
+from identification.experiment import experiment_of
+from identification.fit import fit_base
 from identification.outcome import Outcome, fit_records
 from valvemodel.errors import InputError
 from valvemodel.loops import settle_loop, shape_of_loop
@@ -81,6 +85,17 @@ def test_static_friction_of_a_ramped_loop() -> None:
     # The breakaway force itself is left open by a loop of ramps, and takes a part of the width: which part hangs on
     # rounding. For ratios of 1.2, 1.3 and 1.4 the friction is off by less than 0.1, 3.2 and 6.5 %.
     assert found.value / spring.value == pytest.approx(1423.0 / 52500.0, rel=0.05)
+
+
+def test_a_bootstrap_of_a_ramped_loop_that_is_fitted_exactly_finds_no_spread() -> None:
+    truth = calibrated(viscous_friction=130.0)
+    position = settle_loop(truth, current=CURRENT, is_ramped=True)
+    loop = experiment_of(Record.from_arrays("loop", current=CURRENT, position=position), is_ramped=True)
+    drawn = bootstrap(neighbourhood_of(fit_base(truth, [loop])), 3)
+    for name in ("spring_rate", "coulomb_friction"):
+        std, low, high = drawn[name]
+        assert std < 1e-6 * truth.values[name]
+        assert low == pytest.approx(truth.values[name]) == high
 
 
 def test_only_loops_are_ramped() -> None:
