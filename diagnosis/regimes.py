@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.regimes import masks_of
+from identification.regimes import masks_of, words_of
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Regime:
 def regimes_of(
     experiments: Sequence[Experiment], residuals: Sequence[np.ndarray], modes: Sequence[np.ndarray]
 ) -> list[Regime]:
-    """Return the regimes of a residual, the one with the largest error first.
+    """Return the regimes of a residual, each once for all experiments, the one with the largest error first.
 
     Parameters
     ----------
@@ -35,18 +35,18 @@ def regimes_of(
     modes : sequence of arrays, each of shape (n,)
         Of the simulation: 1 rising, 0 stuck, -1 falling.
     """
-    parts: dict[tuple[str, str], list[np.ndarray]] = {}
+    parts: dict[str, list[np.ndarray]] = {}
     for experiment, residual, mode in zip(experiments, residuals, modes, strict=True):
         known = np.isfinite(residual)
-        for key, mask in masks_of(experiment, mode).items():
-            parts.setdefault(key, []).append(residual[mask & known])
+        for name, mask in masks_of(experiment, mode).items():
+            parts.setdefault(name, []).append(residual[mask & known])
     everything = np.concatenate([residual[np.isfinite(residual)] for residual in residuals])
     whole = float(np.sum(everything**2)) or 1.0
-    found = []
-    for (name, where), pieces in parts.items():
+    words, found = words_of(experiments), []
+    for name, pieces in parts.items():
         error = np.concatenate(pieces)
         if len(error) >= max(10, 0.005 * len(everything)):
             square = float(np.sum(error**2))
             rms = float(np.sqrt(square / len(error)))
-            found.append(Regime(name, where, rms, square / whole, len(error) / len(everything)))
+            found.append(Regime(name, words[name], rms, square / whole, len(error) / len(everything)))
     return sorted(found, key=lambda regime: -regime.rms)

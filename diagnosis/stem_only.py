@@ -35,7 +35,7 @@ from identification.inverse_dynamics.diagnose import (
     UNKNOWN_FROM,
 )
 from identification.inverse_dynamics.fit import blocks_of, nominal_residual, root_mean_square
-from identification.regimes import masks_of
+from identification.regimes import masks_of, words_of
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
@@ -508,14 +508,17 @@ def regimes_of_rows(joined: Joined, residual: np.ndarray) -> list[Regime]:
     )
     masks = masks_of(rows, np.sign(velocity))
     slow, fast = LOW_SPEED * top, HIGH_SPEED * top
-    masks["near_rest", f"near rest, below {slow * 1e3:.3g} mm/s"] = speed < slow
-    masks["high_speed", f"at high speed, above {fast * 1e3:.3g} mm/s"] = speed > fast
+    masks |= {"near_rest": speed < slow, "high_speed": speed > fast}
+    words = words_of([rows]) | {
+        "near_rest": f"near rest, below {slow * 1e3:.3g} mm/s",
+        "high_speed": f"at high speed, above {fast * 1e3:.3g} mm/s",
+    }
     whole = float(np.sum(residual**2)) or 1.0
     found = []
-    for (name, where), mask in masks.items():
+    for name, mask in masks.items():
         if mask.sum() >= FEWEST_SAMPLES:
             share = float(np.sum(residual[mask] ** 2)) / whole
-            found.append(Regime(name, where, root_mean_square(residual[mask]), share, float(mask.mean())))
+            found.append(Regime(name, words[name], root_mean_square(residual[mask]), share, float(mask.mean())))
     return sorted(found, key=lambda regime: -regime.rms)
 
 

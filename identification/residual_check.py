@@ -10,7 +10,7 @@ import numpy as np
 
 from identification.experiment import Experiment
 from identification.fit import Fit
-from identification.regimes import masks_of
+from identification.regimes import masks_of, words_of
 
 LAGS = 20
 """Neighbours that the test of whiteness looks back on."""
@@ -132,21 +132,22 @@ def _by_regime(
     """Test of the mean residual in each regime over its standard error; after reversals along the motion."""
     from scipy.special import ndtri
 
-    parts: dict[tuple[str, str], list[np.ndarray]] = {}
+    parts: dict[str, list[np.ndarray]] = {}
     for experiment, residual, mode in zip(experiments, residuals, modes, strict=True):
-        for regime, mask in masks_of(experiment, mode).items():
-            signed = residual * mode if regime[0] == "after_reversal" else residual
-            parts.setdefault(regime, []).append(signed[mask & np.isfinite(residual)])
-    tested = {regime: np.concatenate(pieces) for regime, pieces in parts.items()}
-    tested = {regime: values for regime, values in tested.items() if len(values) >= FEWEST_SAMPLES}
+        for name, mask in masks_of(experiment, mode).items():
+            signed = residual * mode if name == "after_reversal" else residual
+            parts.setdefault(name, []).append(signed[mask & np.isfinite(residual)])
+    tested = {name: np.concatenate(pieces) for name, pieces in parts.items()}
+    tested = {name: values for name, values in tested.items() if len(values) >= FEWEST_SAMPLES}
     spread = max(float(np.nanstd(np.concatenate(residuals))), 1e-300)
     threshold = float(ndtri(1.0 - 0.5 * LEVEL / max(len(tested), 1)))
+    words = words_of(experiments)
     return [
         Check(
             f"{signal}: {name.replace('_', ' ')}",
-            f"a mean {where}",
+            f"a mean {words[name]}",
             abs(float(values.mean())) * float(np.sqrt(len(values))) / spread,
             threshold,
         )
-        for (name, where), values in tested.items()
+        for name, values in tested.items()
     ]

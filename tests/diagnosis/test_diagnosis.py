@@ -11,6 +11,7 @@ import pytest
 
 from diagnosis.blindtest.plants import Truth, draw_plant, measure
 from diagnosis.diagnosing import Diagnosis, diagnose, errors_as_given, said_of_given
+from diagnosis.regimes import regimes_of
 from diagnosis.score import closed_share, persistence_of
 from identification.experiment import experiment_of
 from identification.holdout import hold_out
@@ -185,5 +186,22 @@ def test_regimes_cover_the_record() -> None:
     experiment = experiment_of(record_of_plant(3, ()))
     mode = np.sign(np.gradient(experiment.position))
     masks = masks_of(experiment, mode)
-    thirds = [masks[key] for key in masks if key[0] in ("low", "middle", "high")]
+    thirds = [masks[name] for name in ("low", "middle", "high")]
     assert np.all(sum(mask.astype(int) for mask in thirds) == 1)
+
+
+def test_regimes_of_two_records_are_told_once() -> None:
+    time = np.arange(3000) * 0.02
+    position = 0.15 + 0.1 * np.sin(0.5 * time)
+    whole = experiment_of(Record.from_arrays(name="whole", time=time, current=0.012 + 0.0 * time, position=position))
+    half = replace(
+        whole, time=time[:1500], current=whole.current[:1500], position=0.5 * position[:1500], block=whole.block[:1500]
+    )
+    alike = [np.ones(3000), np.ones(1500)]
+    regimes = regimes_of([whole, half], alike, alike)
+    found = {each.name: each for each in regimes}
+    assert len(found) == len(regimes)
+    assert found["early"].where == "in the first third of each record, before 10 to 20 s"
+    assert found["low"].where == "in the lower third of the travel, below 58 to 117 mm"
+    assert found["early"].share == found["early"].time_share == pytest.approx(1.0 / 3.0, abs=1e-3)
+    assert found["low"].share + found["middle"].share + found["high"].share == pytest.approx(1.0)

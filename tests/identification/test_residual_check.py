@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,18 @@ def test_gaps_are_left_out(lost: slice) -> None:
     residual = np.random.default_rng(3).standard_normal(COUNT)
     residual[lost] = np.nan
     assert failed(residual) <= {"position: whiteness"}
+
+
+def test_each_regime_of_two_records_is_tested_once() -> None:
+    made, mode = experiment()
+    half = COUNT // 2
+    short = replace(
+        made, time=made.time[:half], current=made.current[:half], position=0.5 * made.position[:half],
+        block=made.block[:half],
+    )  # fmt: skip
+    noise = np.random.default_rng(7).standard_normal(COUNT)
+    checks = checks_of("position", [made, short], [noise, noise[:half]], [mode, mode[:half]])
+    names = [each.name for each in checks]
+    assert names == [each.name for each in checks_of("position", [made], [noise], [mode])]
+    early = checks[names.index("position: early")]
+    assert early.looks_for == "a mean in the first third of each record, before 10 to 20 s"

@@ -7,7 +7,7 @@ import pytest
 
 from identification.experiment import experiment_of
 from identification.mending.stretches import longest_stretch
-from identification.regimes import masks_of
+from identification.regimes import words_of
 from valvemodel.records import Record
 
 
@@ -53,6 +53,5 @@ def test_times_are_told_as_the_record_has_them():
         rows = slice(1, None) if reads_at_end else slice(None)
         assert experiment.record_time[rows] == pytest.approx(later.time, abs=1e-9)
     experiment = experiment_of(later)
-    words = [words for name, words in masks_of(experiment, np.ones(len(experiment.time))) if name == "early"]
     end = 1000.0 + (later.time[-1] - later.time[0]) / 3.0
-    assert words == [f"in the first third of the record, before {end:.0f} s"]
+    assert words_of([experiment])["early"] == f"in the first third of the record, before {end:.0f} s"
