@@ -32,6 +32,10 @@ PLACES = 9
 PERIODS = 4
 """Strongest periods of the residual at which a periodic effect is looked for."""
 
+CLOSEST, CLOCK_ERROR = 0.1, 0.01
+"""Time between rows up to which those of a faster record are passed over where periods are looked for [s]; share by
+which a clock may be off."""
+
 LOWEST_WAVES, HALF_WAVE, QUARTER_WAVE = 16.0, 0.5, 0.25
 """Waves in a record up to which all periods are tried, and their distance; and that about the strongest periods."""
 
@@ -110,13 +114,17 @@ def _hinted(hint: str, experiments: list[Experiment], residuals: Residuals) -> l
 def strongest_periods(time: np.ndarray, residual: np.ndarray) -> list[float]:
     """Return the periods at which sine and cosine explain most of a residual, best first. [s]
 
-    Frequencies from half a wave in the record up to the period of one second, in steps of a quarter wave.
+    Frequencies from half a wave in the record up to the period of one second, and below half the rate of the rows that
+    are looked at, in steps of a quarter wave.
     """
     kept = np.isfinite(residual)
-    time, residual = time[kept][::5], residual[kept][::5]
+    interval = float(np.median(np.diff(time[kept])))
+    every = max(int(CLOSEST / interval * (1.0 + CLOCK_ERROR)), 1)
+    time, residual = time[kept][::every], residual[kept][::every]
     residual = residual - residual.mean()
     duration = time[-1] - time[0]
-    frequencies = np.arange(0.5, min(duration, 200.0), 0.25) / duration
+    most_waves = min(duration, 200.0, 0.5 * duration / (every * interval))
+    frequencies = np.arange(0.5, most_waves, 0.25) / duration
     wave = np.exp(-2j * np.pi * frequencies[:, None] * time)
     power = np.abs(wave @ residual)
     periods: list[float] = []

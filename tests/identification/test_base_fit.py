@@ -129,8 +129,9 @@ def test_a_few_levels_are_no_grid_where_a_smooth_fit_leaves_less_than_it_would_r
     assert coarsest_grid(experiment, 3e-4)[0] < 1e-4
 
 
-def test_strongest_period_is_found() -> None:
-    time = np.arange(7500) * 0.02
+@pytest.mark.parametrize(("rows", "interval"), [(7500, 0.02), (1500, 0.1), (600, 0.2), (600, 0.5), (600, 2.0)])
+def test_strongest_period_is_found_at_any_pace(rows: int, interval: float) -> None:
+    time = np.arange(rows) * interval
     generator = np.random.default_rng(6)
     residual = np.sin(2 * np.pi * time / 23.0) + 0.5 * generator.standard_normal(len(time))
     assert strongest_periods(time, residual)[0] == pytest.approx(23.0, rel=0.05)
