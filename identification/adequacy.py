@@ -45,6 +45,8 @@ NOISELESS = 1e-6
 
 NEXT = "drive the valve up and down twice through at least a quarter of its travel, and record that"
 
+WIDER_RANGE = "set the transmitter's range wider than the travel and record again"
+
 ONE_WAY = "the stem moves one way only"
 
 MOVED_UNSEEN = (
@@ -64,6 +66,7 @@ def adequate(experiments: Sequence[Experiment]) -> tuple[list[Experiment], list[
     for experiment in experiments:
         clean, said = without_clipped(experiment)
         try:
+            check_clipping(experiment)
             check(clean)
         except InputError as error:
             refused.append(error)
@@ -122,22 +125,24 @@ def check(experiment: Experiment) -> None:
 def without_clipped(experiment: Experiment) -> tuple[Experiment, list[str]]:
     """Return an experiment with clipped readings taken out, and a sentence about them.
 
-    Raises
-    ------
-    InputError
-        If too little is left.
+    Where they are most of it there is none: `check_clipping` says so.
     """
     is_clipped = clipped_readings(experiment)
-    share = float(is_clipped.mean())
-    if share < CLIPPED_SHARE:
+    if is_clipped.mean() < CLIPPED_SHARE:
         return experiment, []
-    found = f"{experiment.name}: {share:.0%} of the positions stay at the highest or lowest reading without noise"
-    remedy = "set the transmitter's range wider than the travel and record again"
-    if share > MOST_CLIPPED:
-        raise InputError("the position is not clipped over most of a record", found, remedy)
     position = np.where(is_clipped, np.nan, experiment.position)
     clean = replace(experiment, position=position, noise=noise_level(position))
-    return clean, [f"{found}: they are clipped and left out; {remedy}"]
+    if is_clipped.mean() > MOST_CLIPPED:
+        return clean, []
+    return clean, [f"{_clipped_words(experiment, is_clipped)}: they are clipped and left out; {WIDER_RANGE}"]
+
+
+def check_clipping(experiment: Experiment) -> None:
+    """Raise if most readings of an experiment are clipped."""
+    is_clipped = clipped_readings(experiment)
+    if is_clipped.mean() > MOST_CLIPPED:
+        found = _clipped_words(experiment, is_clipped)
+        raise InputError("the position is not clipped over most of a record", found, WIDER_RANGE)
 
 
 def clipped_readings(experiment: Experiment) -> np.ndarray:
@@ -156,6 +161,11 @@ def clipped_readings(experiment: Experiment) -> np.ndarray:
     is_coarse = not elsewhere.any() or float(repeats[elsewhere].mean()) > REPEATING
     is_smooth = noise_level(position[~clipped]) <= NOISELESS * np.ptp(readings)
     return np.zeros(len(position), bool) if is_coarse or is_smooth else clipped
+
+
+def _clipped_words(experiment: Experiment, is_clipped: np.ndarray) -> str:
+    share = float(is_clipped.mean())
+    return f"{experiment.name}: {share:.0%} of the positions stay at the highest or lowest reading without noise"
 
 
 def turns(experiment: Experiment) -> int:

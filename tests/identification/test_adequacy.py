@@ -130,6 +130,16 @@ def test_one_record_that_says_nothing_among_others_is_a_note() -> None:
     assert any("the stem moves in a record" in note for note in notes)
 
 
+def test_one_record_that_is_mostly_clipped_among_others_is_a_note() -> None:
+    whole = measured(TRIANGLES)
+    experiments, notes = experiments_of([whole, clipped(whole, 0.05, 0.07)])
+    readings = experiments[1].position
+    assert np.isfinite(readings).mean() < 0.5
+    assert 0.05 < np.nanmin(readings) < np.nanmax(readings) < 0.07
+    assert experiments[1].noise == pytest.approx(NOISE, rel=0.3)
+    assert sum("not clipped over most of a record" in note for note in notes) == 1
+
+
 @pytest.mark.parametrize(("current", "count"), [(ONE_WAY, 0), (ONCE, 1), (TRIANGLES, 3)])
 def test_turns_of_the_stem(current: np.ndarray, count: int) -> None:
     assert turns(experiment_of(measured(current))) == count
