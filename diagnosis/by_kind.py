@@ -10,6 +10,7 @@ from diagnosis.diagnosing import diagnose as diagnose_valve
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.records.several import check_one_kind
 from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def diagnose(
     Parameters
     ----------
     records : Record or sequence of Record
-        Of one valve. With one, blocks in time are kept back to score on; with several, the last record.
+        Of one valve, all of one kind: time records, settled loops or of the stem alone. With one, blocks in time are
+        kept back to score on; with several, the last record.
     model : Model
         The valve as given, by default the set `calibrated`; its base parameters are where the refit begins.
     candidates : sequence of str or None
@@ -47,13 +49,15 @@ def diagnose(
     Raises
     ------
     InputError
-        If a candidate is no effect or chosen for a stem alone, or a single record is too short to keep a part back.
+        If there is no record or they are of several kinds, a candidate is no effect or chosen for a stem alone, or a
+        single record is too short to keep a part back.
     """
     records = [records] if isinstance(records, Record) else list(records)
+    check_one_kind(records)
     if model is None:
         valve = read_valve("calibrated")
         model = Model(valve.name, valve.values)
-    if not all(record.kind == "stem" for record in records):
+    if records[0].kind != "stem":
         return diagnose_valve(records, model, candidates=candidates, jobs=jobs, progress=progress)
     if candidates is not None:
         raise InputError("candidates are chosen for records with current", "these have force", "leave them out")

@@ -33,6 +33,7 @@ from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
 from valvemodel.plots import COURSE
 from valvemodel.records import Record
+from valvemodel.records.several import check_one_kind
 
 if TYPE_CHECKING:
     import pandas
@@ -181,8 +182,8 @@ def fit_records(
     Parameters
     ----------
     records : sequence of Record
-        Of one valve, all with current or all with force. With one, blocks in time are kept back for the error
-        on unseen data; with several, the last.
+        Of one valve, all of one kind: time records, settled loops or of the stem alone. With one, blocks in time are
+        kept back for the error on unseen data; with several, the last.
     model : Model
         The valve as given: where the search begins, and what gives the numbers that are not fitted.
     effects : sequence of str
@@ -202,12 +203,14 @@ def fit_records(
     Raises
     ------
     InputError
-        If an effect or a route is unknown or an effect given twice, or the records do not carry such a fit.
+        If an effect or a route is unknown or an effect given twice, there is no record or they are of several kinds,
+        or they do not carry such a fit.
     """
     _check_effects(effects)
     if route not in ROUTES:
         raise unknown_name("a route of a fit", route, ROUTES)
-    if all(record.kind == "stem" for record in records):
+    check_one_kind(records)
+    if records[0].kind == "stem":
         if has_profile or repetitions:
             raise InputError(
                 "profile and bootstrap are for records with current",

@@ -147,26 +147,13 @@ def measured_records(
         If one cannot be used, is given twice, or time records, settled loops and records of the stem are mixed.
     """
     from valvemodel.records import read_record
+    from valvemodel.records.several import check_one_kind
 
     _check_each_once(paths)
     records = [_in_metres(read_record(path, rated_travel=rated_travel, columns=columns), model) for path in paths]
-    kinds = [record.kind for record in records]
-    for path, kind in zip(paths, kinds, strict=True):
-        if kind != kinds[0]:
-            raise InputError(
-                "records of one run have one kind",
-                f"{paths[0]} is {_KINDS[kinds[0]]}, {path} is {_KINDS[kind]}",
-                "give them to runs of their own",
-            )
+    check_one_kind(records)
     _check_no_copies(records)
     return records
-
-
-_KINDS = {
-    "time": "a time record",
-    "loop": "a settled loop without time",
-    "stem": "of the stem alone, with force instead of current",
-}
 
 
 _ONCE = "a record is given once (one is kept back to score on)"
