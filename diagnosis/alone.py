@@ -48,6 +48,7 @@ from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT
 from valvemodel.declarations import Effect
 from valvemodel.effects import differ_by_aliases, effect_of_key, jumps
+from valvemodel.errors import InputError
 from valvemodel.stages import EFFECTS
 
 LEAST_SHARE, PROMISE_AT_NOISE = 0.25, 0.005
@@ -286,7 +287,21 @@ def kin_of(effect: Effect, tried: Sequence[Candidate]) -> Fit | None:
 
 
 def library_for(holdout: Holdout, keys: Sequence[str] | None = None) -> list[Effect]:
-    """Return the effects, of those named or of all, that the records can show: settled loops none that acts in time."""
+    """Return the effects, of those named or of all, that the records can show: settled loops none that acts in time.
+
+    Raises
+    ------
+    InputError
+        If an effect is unknown, or the records can show none of those named.
+    """
     is_loop = are_loops(holdout.experiments)
     named = EFFECTS if keys is None else [effect_of_key(key) for key in dict.fromkeys(keys)]
-    return [effect for effect in named if not (is_loop and effect.acts_in_time)]
+    shown = [effect for effect in named if not (is_loop and effect.acts_in_time)]
+    if not shown:
+        titles = ", ".join(effect.title for effect in named)
+        raise InputError(
+            "at least one of the candidates can show in the records",
+            f"{titles}: settled loops hold no time to show it" if named else "none was named",
+            "name others, or leave the candidates out: all that the records can show are tried then",
+        )
+    return shown

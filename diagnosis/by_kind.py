@@ -49,8 +49,8 @@ def diagnose(
     Raises
     ------
     InputError
-        If there is no record or they are of several kinds, a candidate is no effect or chosen for a stem alone, or a
-        single record is too short to keep a part back.
+        If there is no record or they are of several kinds, a candidate is no effect or chosen for a stem alone, none of
+        them can show in the records, or a single record is too short to keep a part back.
     """
     records = [records] if isinstance(records, Record) else list(records)
     check_one_kind(records)

@@ -30,10 +30,10 @@ def lags_beside_jumps(
     It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
     laws takes long, and comes last, unless another comes to the noise or takes in most.
     """
-    if any_explains(alone):
+    nearest = best_of(alone, 1)
+    if not nearest or any_explains(alone):
         return []
-    base, values, tried = alone[0], values_alone(alone), list(alone)
-    law = best_of(alone, 1)[0]
+    base, values, tried, law = alone[0], values_alone(alone), list(alone), nearest[0]
     if not is_blunt(law) or misfit(law) >= SOME * misfit(base) or not is_sluggish(law.fit, FAR_TOO_MUCH):
         return []
     lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]

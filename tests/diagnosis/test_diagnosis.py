@@ -17,6 +17,8 @@ from identification.experiment import experiment_of
 from identification.holdout import hold_out
 from identification.regimes import masks_of, time_since_reversal
 from identification.timing import END_OF_PERIOD, answers_own_row
+from valvemodel.errors import InputError
+from valvemodel.loops import settle_loop
 from valvemodel.model import Model, read_model
 from valvemodel.records import Record
 from valvemodel.valves import read_valve
@@ -205,3 +207,12 @@ def test_regimes_of_two_records_are_told_once() -> None:
     assert found["low"].where == "in the lower third of the travel, below 58 to 117 mm"
     assert found["early"].share == found["early"].time_share == pytest.approx(1.0 / 3.0, abs=1e-3)
     assert found["low"].share + found["middle"].share + found["high"].share == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("candidates", "arrived"), [(["sensor_lag"], "sensor lag"), ([], "none was named")])
+def test_candidates_that_cannot_show_are_refused(candidates: list[str], arrived: str) -> None:
+    current = np.concatenate([np.arange(4.0, 18.0), np.arange(18.0, 4.0, -1.0)]) * 1e-3
+    loop = Record.from_arrays(name="loop", current=current, position=settle_loop(calibrated(), current=current))
+    with pytest.raises(InputError, match="at least one of the candidates can show") as caught:
+        diagnose([loop], calibrated(), candidates=candidates)
+    assert arrived in caught.value.arrived

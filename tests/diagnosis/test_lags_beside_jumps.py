@@ -51,6 +51,10 @@ def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(mon
     assert [each for each in asked if each] == [quick, slow] * is_tried
 
 
+def test_no_lag_is_tried_where_nothing_was_alone():
+    assert lags.lags_beside_jumps([named(40.0)], None, None, lambda *what: None) == []
+
+
 @pytest.mark.parametrize(("left", "is_enough"), [(1.0, True), (3.0, True), (9.0, False)])
 def test_what_lags_by_several_laws_is_not_tried_beside_jumps_where_another_lag_takes_in_most(
     monkeypatch, left, is_enough
