@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
 from identification.determined.sensitivity import is_jagged
@@ -346,7 +348,8 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
     record = records[0]
     signals = prepare_signals(record)
     has_spring = find_spring(signals) or "spring_hardening" in effects
-    seen = blocks_of(signals) % EVERY != EVERY - 1
+    block = blocks_of(signals)
+    seen = block % EVERY != EVERY - 1
     part = fit_stem(signals, effects=effects, train=seen, has_spring=has_spring)
     progress("all data", 0.5)
     whole = fit_stem(signals, effects=effects, has_spring=has_spring)
@@ -378,7 +381,7 @@ def _fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[
         open=reasons,
         warnings=(*record.warnings, *notes),
         seconds=time.perf_counter() - began,
-        determined=account_of_stem(record, model, found, reasons),
+        determined=account_of_stem(record, model, found, reasons, blocks=len(np.unique(block))),
         residuals=(Residual(record.name, whole.time, whole.residual, "N"),),
     )
 

@@ -149,9 +149,11 @@ def account_of(
     return account
 
 
-def account_of_stem(record: Record, model: Model, found: Sequence[Estimate], reasons: dict[str, str]) -> Account:
-    """Return what a force balance of the stem determines: its errors are those of a linear regression."""
-    quantile = interval_quantile(len(record))
+def account_of_stem(
+    record: Record, model: Model, found: Sequence[Estimate], reasons: dict[str, str], *, blocks: int
+) -> Account:
+    """Return what a force balance of the stem determines: its errors are those of a jackknife over so many blocks."""
+    quantile = interval_quantile(blocks)
     intervals: dict[str, Ends] = {
         each.name: (None, None)
         if each.std is None

@@ -18,8 +18,11 @@ from identification.inverse_dynamics import (
     prepare_signals,
     stem_candidates,
 )
+from identification.outcome import fit_records
 from valvemodel.errors import InputError
+from valvemodel.model import Model
 from valvemodel.records.record import Record
+from valvemodel.valves import read_valve
 
 MASS, VISCOUS, COULOMB, PRELOAD = 20.0, 150.0, 25.0, 4.0
 TRUTH = {
@@ -120,6 +123,15 @@ def test_base_parameters_are_recovered_within_their_own_deviations():
     assert fit.regressors == ("stem_mass", "viscous_friction", "coulomb_friction", "spring_preload")
     assert fit.residual.shape == fit.time.shape == fit.force.shape
     assert "spring_rate" not in fit.parameters
+
+
+def test_intervals_are_as_wide_as_few_blocks_make_them():
+    """A record of 25 s has 25 blocks: Student's t of 24 degrees of freedom is 2.064."""
+    valve = read_valve("calibrated")
+    outcome = fit_records([plant()], Model(valve.name, valve.values))
+    for each in outcome.parameters:
+        low, high = outcome.determined.intervals[each.name]
+        assert (high - low) / (2.0 * each.std) == pytest.approx(2.064, abs=1e-3), each.name
 
 
 def test_standard_deviations_hold_under_correlated_noise():
