@@ -186,8 +186,9 @@ class Breakaways:
         return directions.T / np.maximum(sizes, 1.0 / WIDEST_SLACK)
 
     def on_the_way(self, point: np.ndarray) -> int:
-        """Count the breakaways on ramps that follow one to the same side: the steps of stairs."""
-        is_again = np.concatenate([[False], self.side[1:] == self.side[:-1]])
+        """Count the breakaways on ramps that follow one of their record to the same side: the steps of stairs."""
+        record = np.repeat(np.arange(len(self.rests)), [len(rests) for rests in self.rests])
+        is_again = np.concatenate([[False], (np.diff(self.side) == 0.0) & (np.diff(record) == 0)])
         return int((is_again & self.is_ramped(point)).sum())
 
 

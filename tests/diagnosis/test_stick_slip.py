@@ -10,12 +10,12 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH, makes_stairs
-from identification.breakaway import breakaways_of, line_through
+from identification.breakaway import Breakaways, breakaways_of, line_through
 from identification.experiment import experiment_of
 from identification.extension import extend, forms_of, slips_by
 from identification.fit import fit_base
 from identification.holdout import hold_out
-from identification.rests import put_on_rests, rests_of
+from identification.rests import Rest, put_on_rests, rests_of
 from identification.stick_slip import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
@@ -57,6 +57,13 @@ def test_rests_are_seen_where_they_end():
 def test_a_slow_slide_is_no_rest():
     sliding = 0.8 * NOISE * np.arange(300.0)
     assert not list(rests_of(sliding + NOISE * np.random.default_rng(0).standard_normal(300), NOISE))
+
+
+@pytest.mark.parametrize(("sides", "count"), [([[1, 1, -1], [-1, -1]], 2), ([[1, 1, -1, -1, -1]], 3), ([[], [1]], 0)])
+def test_steps_of_stairs_follow_one_of_their_own_record(monkeypatch, sides, count):
+    monkeypatch.setattr(Breakaways, "is_ramped", lambda breakaways, point: np.ones(len(breakaways.side), bool))
+    rests = [[Rest(0, 5, 0.0, float(side)) for side in own] for own in sides]
+    assert Breakaways(None, rests).on_the_way(np.zeros(1)) == count
 
 
 def test_runs_are_put_anew_just_before_a_rest_ends(falling):
