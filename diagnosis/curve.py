@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -55,4 +55,4 @@ class Curve:
 
     def as_json(self) -> dict[str, Any]:
         """Return the curve as diagnosis.json has it."""
-        return vars(self)
+        return asdict(self)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -115,7 +115,7 @@ def content_of(judged: Judged) -> dict[str, Any]:
         "where": {
             "stage": judged.stage,
             "stage_probability": judged.stage_probability,
-            "regimes": [vars(regime) for regime in judged.regimes],
+            "regimes": [asdict(regime) for regime in judged.regimes],
         },
         "causes": [cause.as_json() for cause in judged.causes],
         "unknown_probability": judged.unknown_probability,
@@ -214,14 +214,14 @@ class Diagnosis(Told):
                 "gap_closed": closed_share(self.refitted.rms, self.ceiling.rms, self.floor),
                 "gap_closed_interval": closed_interval(self.refitted, self.ceiling, self.floor),
             },
-            "control": vars(self.control),
+            "control": asdict(self.control),
             "confusability": self.confusability.as_json(),
             "residual_curves": [curve.as_json() for curve in self.residual_curves],
             "next_experiment": None if self.next_experiment is None else self.next_experiment.as_json(),
             "base": {
                 "name": self.base.model.name,
                 "file": "base.json",
-                "numbers": [vars(each) for each in self.base_numbers],
+                "numbers": [asdict(each) for each in self.base_numbers],
             },
             "signals": ["current", "position"] + ["pressure"] * self.base.problem.has_pressure,
             "not_tried": self.not_tried,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ class NextExperiment:
             "is_open": self.is_open,
             "separation": {"unit": "noise standard deviations, root mean square", **self.separation},
             "closest_pair": [list(each) for each in self.pair],
-            "limits": vars(self.limits),
+            "limits": asdict(self.limits),
         }
 
     def write(self, path: Path) -> None:

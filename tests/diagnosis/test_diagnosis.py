@@ -108,6 +108,15 @@ def test_contract_of_the_json(viscous: Diagnosis) -> None:
     assert value["std"] > 0.0
 
 
+def test_a_diagnosis_stays_as_it_is_whatever_its_json_is_made_into(viscous: Diagnosis) -> None:
+    content = viscous.as_json()
+    changed = (content["where"]["regimes"][0], content["control"], content["base"]["numbers"][0])
+    for part, whole in zip(changed, (viscous.regimes[0], viscous.control, viscous.base_numbers[0]), strict=True):
+        before = replace(whole)
+        part.update(dict.fromkeys(part, None))
+        assert whole == before
+
+
 def test_files_can_be_read_again(viscous: Diagnosis, tmp_path) -> None:
     places = viscous.write(tmp_path / "deep" / "folder")
     assert {path.name for path in places.values()} == {

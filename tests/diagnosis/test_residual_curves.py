@@ -38,6 +38,15 @@ def test_short_record_tells_no_force(minute, given):
     assert "force" not in {curve.signal for curve in residual_curves([experiment], fit_base(given, [experiment]))}
 
 
+def test_a_curve_stays_as_it_is_whatever_its_json_is_made_into():
+    curve = Curve("position", "m", "stem", "time", "s", np.zeros(3), np.ones(3), np.ones(3), 0.5)
+    content = curve.as_json()
+    content["share"] = None
+    content["mean"][:] = 0.0
+    assert curve.share == 0.5
+    assert curve.mean.tolist() == [1.0, 1.0, 1.0]
+
+
 def test_without_pressure_only_the_position_is_told(quiet, given):
     curves = residual_curves([quiet], fit_base(given, [quiet]))
     assert {curve.signal for curve in curves} == {"position"}
