@@ -35,7 +35,7 @@ from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
 from valvemodel.plots import COURSE
 from valvemodel.records import Record
-from valvemodel.records.several import check_one_kind
+from valvemodel.records.several import check_one_kind, told_apart
 
 if TYPE_CHECKING:
     import pandas
@@ -59,6 +59,8 @@ class Outcome(Shown):
 
     Attributes
     ----------
+    records : tuple of str
+        Their names; of those that were named alike the second is `name (2)`.
     parameters : tuple of Estimate
         Those that were fitted.
     model : Model or None
@@ -212,6 +214,7 @@ def fit_records(
     if route not in ROUTES:
         raise unknown_name("a route of a fit", route, ROUTES)
     check_one_kind(records)
+    records = told_apart(records)
     if records[0].kind == "stem":
         if has_profile or repetitions:
             raise InputError(

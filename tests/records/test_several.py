@@ -1,4 +1,4 @@
-"""Several records of one valve are of one kind, at either door."""
+"""Several records of one valve are of one kind, at either door, and each has a name of its own."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import pytest
 from diagnosis import diagnose
 from identification import fit_records
 from valvemodel.errors import InputError
+from valvemodel.loops import settle_loop
 from valvemodel.model import Model
 from valvemodel.records import Record
+from valvemodel.records.several import told_apart
 from valvemodel.valves import read_valve
 
 TIME = np.arange(500) / 50.0
@@ -36,3 +38,27 @@ def test_no_record_is_refused(door) -> None:
     valve = read_valve("calibrated")
     with pytest.raises(InputError, match="at least one record"):
         door([], Model(valve.name, valve.values))
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["a", "b"], ["a", "b"]),
+        (["r", "r", "s", "r"], ["r", "r (2)", "s", "r (3)"]),
+        (["r", "r", "r (2)"], ["r", "r (3)", "r (2)"]),
+    ],
+)
+def test_records_that_are_named_alike_are_told_apart(given: list[str], told: list[str]) -> None:
+    records = [Record.from_arrays(name, current=[0.004]) for name in given]
+    assert [record.name for record in told_apart(records)] == told
+
+
+def test_each_record_of_a_fit_has_its_start_though_named_alike() -> None:
+    valve = read_valve("calibrated")
+    model = Model(valve.name, valve.values)
+    currents = [1e-3 * np.concatenate([np.linspace(low, 18.0, 30), np.linspace(18.0, low, 30)]) for low in (6.0, 8.0)]
+    loops = [Record.from_arrays("r", current=each, position=settle_loop(model, current=each)) for each in currents]
+    content = fit_records(loops, model).as_json()
+    assert content["records"] == list(content["start_positions"]) == ["r", "r (2)"]
+    first, second = (each["value"] for each in content["start_positions"].values())
+    assert first < second

@@ -1,8 +1,10 @@
-"""Several records of one valve: all of one kind."""
+"""Several records of one valve: all of one kind, each by a name of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from itertools import count
 
 from valvemodel.errors import InputError
 from valvemodel.records.record import Record
@@ -32,3 +34,22 @@ def check_one_kind(records: Sequence[Record]) -> None:
                 f"{record.source or record.name} is {_KINDS[record.kind]}",
                 "give them to runs of their own",
             )
+
+
+def told_apart(records: Sequence[Record]) -> list[Record]:
+    """Return records each by a name of its own: of those that are named alike the second is `name (2)`.
+
+    Examples
+    --------
+    >>> [each.name for each in told_apart([Record.from_arrays("day", current=[0.0])] * 3)]
+    ['day', 'day (2)', 'day (3)']
+    """
+    taken = {record.name for record in records}
+    found: list[Record] = []
+    for record in records:
+        if any(record.name == other.name for other in found):
+            names = (f"{record.name} ({number})" for number in count(2))
+            record = replace(record, name=next(name for name in names if name not in taken))
+            taken.add(record.name)
+        found.append(record)
+    return found
