@@ -113,7 +113,7 @@ def _input_correlation(signal: str, experiments: Sequence[Experiment], residuals
     inputs, errors = [], []
     for experiment, residual in zip(experiments, residuals, strict=True):
         change = np.diff(experiment.current, prepend=experiment.current[0])
-        delayed = [np.concatenate([np.zeros(lag), change[: len(change) - lag]]) for lag in INPUT_LAGS]
+        delayed = [np.concatenate([np.zeros(lag), change])[: len(change)] for lag in INPUT_LAGS]
         known = np.isfinite(residual)
         regressors = np.column_stack([experiment.current, *delayed])[known]
         inputs.append(regressors - regressors.mean(axis=0))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from identification.experiment import Experiment
-from identification.residual_check import checks_of
+from identification.residual_check import INPUT_LAGS, checks_of
 
 COUNT = 3000
 
@@ -79,3 +79,14 @@ def test_each_regime_of_two_records_is_tested_once() -> None:
     assert names == [each.name for each in checks_of("position", [made], [noise], [mode])]
     early = checks[names.index("position: early")]
     assert early.looks_for == "a mean in the first third of each record, before 10 to 20 s"
+
+
+def test_a_record_shorter_than_the_longest_delay_of_the_input_is_tested() -> None:
+    made, mode = experiment()
+    rows = slice(0, INPUT_LAGS[-1] // 2)
+    short = replace(
+        made, time=made.time[rows], current=made.current[rows], position=made.position[rows], block=made.block[rows]
+    )
+    noise = np.random.default_rng(9).standard_normal(COUNT)[rows]
+    checks = {each.name: each for each in checks_of("position", [short], [noise], [mode[rows]])}
+    assert checks["position: input"].is_passed
