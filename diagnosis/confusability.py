@@ -44,12 +44,6 @@ class Confusability:
     visibility: np.ndarray
     similarity: np.ndarray
 
-    def imitators(self, key: str) -> list[str]:
-        """Return the effects that would pass for one, the nearest first."""
-        row = self.effects.index(key)
-        order = np.argsort(-np.nan_to_num(self.similarity[row]))
-        return [self.effects[n] for n in order if n != row and self.similarity[row, n] >= ALIKE]
-
     def as_json(self) -> dict[str, Any]:
         """Return what diagnosis.json has of it."""
         return {

@@ -50,9 +50,6 @@ if TYPE_CHECKING:
 
 SCHEMA = "valvemodel.diagnosis/1"
 
-NAMED_FROM = 0.5
-"""Probability of a cause together with those it cannot be told from, from which it is named."""
-
 YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured position every 2 s"}
 """How the gap is measured: where slips stick, a free run loses their phase even if the model is right."""
 

@@ -42,12 +42,6 @@ class Clock:
         """Values at the period starts as a signal of width 1."""
         return np.ascontiguousarray(values, dtype=float).reshape(self.periods, 1)
 
-    def fine(self, signal: Signal) -> Signal:
-        """The signal at every fine step, shape (periods, substeps)."""
-        if signal.shape[1] == self.substeps:
-            return signal
-        return np.repeat(signal, self.substeps, axis=1)
-
 
 def clock_of(time: Signal, step: float) -> Clock:
     """Divide a record's uniform sample period into whole steps no longer than `step`. [s]"""
