@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,6 @@ from identification.inverse_dynamics.fit import (
     Terms,
     blocks_of,
     find_spring,
-    nominal_residual,
     root_mean_square,
     solve_normal,
 )
@@ -31,7 +29,6 @@ from identification.inverse_dynamics.regressors import (
 from identification.inverse_dynamics.signals import (
     Array,
     Mask,
-    Preprocessing,
     StemSignals,
     prepare_signals,
 )
@@ -68,12 +65,10 @@ INTERVAL = (2.5, 97.5)
 
 @dataclass(frozen=True)
 class Gap:
-    """The force error from the given valve to the noise floor. [N]
+    """The force error from the refitted base model to the noise floor. [N]
 
     Parameters
     ----------
-    as_given : float or None
-        Of the nominal parameters over the whole record; None where none were given.
     refitted, with_cause : float
         Root mean square on held-out blocks, of the base model and of the best cause.
     noise_floor : float
@@ -86,7 +81,6 @@ class Gap:
     unit : str
     """
 
-    as_given: float | None
     refitted: float
     with_cause: float
     noise_floor: float
@@ -116,10 +110,6 @@ class ScoredCause:
         As in `Gap`.
     block_errors : array, shape (blocks,)
         Mean square on each held-out block. [N^2]
-    block_differences : array, shape (blocks,)
-        The base model's less the cause's: positive where the cause is better. [N^2]
-    z_value : float
-        Mean of the differences over its standard error.
     parameter_count : int
         Beyond the base model.
     is_below_notice : bool
@@ -136,8 +126,6 @@ class ScoredCause:
     gap_closed: float | None
     gap_closed_interval: tuple[float, float] | None
     block_errors: Array
-    block_differences: Array
-    z_value: float
     parameter_count: int
     is_below_notice: bool
     indistinguishable_from: tuple[tuple[str, ...], ...]
@@ -157,8 +145,6 @@ class StemDiagnosis:
     gap : Gap
     remaining_share : float
         Of the reducible gap that the best cause leaves open.
-    residual_correlation_time : float
-        Of the best cause's held-out error, in decimated samples; 1 for white noise.
     has_spring : bool
         Whether the base model has one.
     aliases : dict of str
@@ -176,7 +162,6 @@ class StemDiagnosis:
     base: StemFit
     gap: Gap
     remaining_share: float
-    residual_correlation_time: float
     has_spring: bool
     aliases: dict[str, str]
     not_applicable: dict[str, str]
@@ -195,13 +180,7 @@ class StemDiagnosis:
         )
 
 
-def diagnose_stem(
-    record: Record | StemSignals,
-    *,
-    nominal: Mapping[str, float] | None = None,
-    has_spring: bool | None = None,
-    preprocessing: Preprocessing | None = None,
-) -> StemDiagnosis:
+def diagnose_stem(record: Record | StemSignals) -> StemDiagnosis:
     """Find which effect the force balance of a stem lacks.
 
     Each candidate is fitted to two thirds of the record's blocks in time and scored on the last third, in
@@ -214,12 +193,6 @@ def diagnose_stem(
     ----------
     record : Record or StemSignals
         Time [s], force [N], position [m].
-    nominal : mapping, optional
-        Base parameters of the given valve, SI: `stem_mass`, `viscous_friction`, `coulomb_friction`,
-        `spring_preload`, `spring_rate`; absent ones are 0.
-    has_spring : bool, optional
-        Whether the base model has a spring; None lets the record decide.
-    preprocessing : Preprocessing, optional
 
     Returns
     -------
@@ -234,9 +207,8 @@ def diagnose_stem(
     ----------
     Yao, Vehtari, Simpson, Gelman, Bayesian Analysis 13 (2018), pseudo-BMA+ with the Bayesian bootstrap.
     """
-    signals = record if isinstance(record, StemSignals) else prepare_signals(record, preprocessing)
-    if has_spring is None:
-        has_spring = find_spring(signals)
+    signals = record if isinstance(record, StemSignals) else prepare_signals(record)
+    has_spring = find_spring(signals)
     scorer = _Scorer(signals, has_spring)
     keys = [key for key in stem_candidates(has_spring=has_spring) if key not in EXACT_ALIASES]
     scores: dict[tuple[str, ...], _Score] = {(): scorer.score(())}
@@ -246,7 +218,7 @@ def diagnose_stem(
     for key in keys:
         if key != first[0]:
             scores[(*first, key)] = scorer.score((*first, key))
-    return _judge(signals, scores, scorer, has_spring, nominal)
+    return _judge(signals, scores, scorer, has_spring)
 
 
 @dataclass(frozen=True, eq=False)
@@ -392,7 +364,6 @@ def _judge(
     scores: dict[tuple[str, ...], _Score],
     scorer: _Scorer,
     has_spring: bool,
-    nominal: Mapping[str, float] | None,
 ) -> StemDiagnosis:
     everything = np.ones(signals.rows, dtype=bool)
     balances = {effects: Balance(signals, effects, has_spring) for effects in scores}
@@ -415,7 +386,6 @@ def _judge(
     draws = _block_draws(scorer.counts.size)
     causes = []
     for effects, score in scores.items():
-        differences = scores[()].block_errors - score.block_errors
         closed, interval = _closed(scores[()], score, floor, scorer.counts, draws)
         causes.append(
             ScoredCause(
@@ -427,8 +397,6 @@ def _judge(
                 gap_closed=closed,
                 gap_closed_interval=interval,
                 block_errors=score.block_errors,
-                block_differences=differences,
-                z_value=_z_value(differences),
                 parameter_count=score.parameter_count,
                 is_below_notice=effects not in named,
                 indistinguishable_from=_rivals(effects, evidence),
@@ -443,7 +411,6 @@ def _judge(
         unknown_probability=unknown,
         base=fits[()],
         gap=Gap(
-            as_given=None if nominal is None else root_mean_square(nominal_residual(signals, nominal)),
             refitted=base_error,
             with_cause=best.gap_after,
             noise_floor=floor,
@@ -451,7 +418,6 @@ def _judge(
             gap_closed_interval=best.gap_closed_interval,
         ),
         remaining_share=max(best.gap_after - floor, 0.0) / reducible if reducible > 0.0 else 0.0,
-        residual_correlation_time=_correlation_time(scores[best.effects].errors),
         has_spring=has_spring,
         aliases=dict(EXACT_ALIASES),
         not_applicable=_not_applicable(has_spring),
@@ -559,11 +525,6 @@ def _closed(
     low, high = np.percentile(shares, INTERVAL) if shares.size else (0.0, 0.0)
     closed = (math.sqrt(base.mean_square) - math.sqrt(score.mean_square)) / reducible
     return closed, (float(low), float(high))
-
-
-def _z_value(differences: Array) -> float:
-    error = float(np.std(differences, ddof=1)) / math.sqrt(differences.size)
-    return float(differences.mean()) / error if error > 0.0 else 0.0
 
 
 def _late_mean(score: _Score, counts: npt.NDArray[np.int64]) -> float:

@@ -21,7 +21,6 @@ from identification.inverse_dynamics.regressors import (
 from identification.inverse_dynamics.signals import (
     Array,
     Mask,
-    Preprocessing,
     StemSignals,
     prepare_signals,
 )
@@ -64,8 +63,6 @@ class StemFit:
         Since the start of the record. [s]
     force, residual : array, shape (rows,)
         Decimated force, and measured less modelled. [N]
-    train : bool array, shape (rows,)
-        The rows that were fitted.
     rms, held_out_rms : float, float or None
         Of the residual on the fitted rows and on the others. [N]
     relative_error : float
@@ -81,7 +78,6 @@ class StemFit:
     time: Array
     force: Array
     residual: Array
-    train: Mask
     rms: float
     held_out_rms: float | None
     relative_error: float
@@ -110,7 +106,6 @@ def fit_stem(
     effects: Iterable[str] = (),
     train: npt.ArrayLike | None = None,
     has_spring: bool | None = None,
-    preprocessing: Preprocessing | None = None,
 ) -> StemFit:
     """Fit the stem's force balance to a record of force and position.
 
@@ -131,7 +126,6 @@ def fit_stem(
         The decimated samples to fit; all by default. `prepare_signals(record).rows` tells how many there are.
     has_spring : bool, optional
         Whether the base model has a spring; None lets the record decide (see `find_spring`).
-    preprocessing : Preprocessing, optional
 
     Returns
     -------
@@ -147,7 +141,7 @@ def fit_stem(
     ----------
     EMPS benchmark, inverse dynamic identification model with least squares (IDIM-LS).
     """
-    signals = record if isinstance(record, StemSignals) else prepare_signals(record, preprocessing)
+    signals = record if isinstance(record, StemSignals) else prepare_signals(record)
     if has_spring is None:
         has_spring = find_spring(signals)
     chosen = tuple(dict.fromkeys(effects))
@@ -330,7 +324,6 @@ class Balance:
             time=self.signals.row_time,
             force=force,
             residual=residual,
-            train=rows,
             rms=root_mean_square(residual[rows]),
             held_out_rms=root_mean_square(held_out) if held_out.size else None,
             relative_error=100.0 * float(np.linalg.norm(residual) / np.linalg.norm(force)),
