@@ -34,8 +34,6 @@ class RecordEvidence:
         1 while the stem rises, 0 while it is stuck, -1 while it falls.
     measured_pressure, refitted_pressure, with_cause_pressure : array or None
         Actuator pressure, gauge, where it was measured. [Pa]
-    force : array or None
-        Force on the stem, the abscissa of a position's loop where there is no current. [N]
     position : array or None
         Position, the abscissa of a force's loop. [m]
     """
@@ -52,7 +50,6 @@ class RecordEvidence:
     measured_pressure: np.ndarray | None = None
     refitted_pressure: np.ndarray | None = None
     with_cause_pressure: np.ndarray | None = None
-    force: np.ndarray | None = None
     position: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -91,8 +88,8 @@ class Evidence:
     """All that the pictures of one report show.
 
     `steps` go from the valve as given to the noise floor, `ranking` from the best candidate down; both, and
-    `noise_floor`, are in `unit`: "m", "N", or "%" where the rated travel is not known. `next_input` is time [s] and
-    current [A] of the experiment that would tell rival causes apart, if one was designed.
+    `noise_floor`, are in `unit`: "m" or "N". `next_input` is time [s] and current [A] of the experiment that would
+    tell rival causes apart, if one was designed.
     """
 
     records: tuple[RecordEvidence, ...]

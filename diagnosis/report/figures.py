@@ -31,7 +31,7 @@ _CUT_FROM = 12.0
 
 
 def draw_loop(axes: Axes, record: RecordEvidence, unit: str, cause: str) -> None:
-    """Draw the signal against the current, or against force or position where there is none."""
+    """Draw the signal against the current, or against position where there is none."""
     abscissa, name, abscissa_unit = _abscissa(record)
     shown_x, factor_x = shown_unit(abscissa_unit, [_largest(abscissa)])
     shown_y, factor_y = shown_unit(unit, [_largest(record.measured)])
@@ -45,18 +45,15 @@ def draw_loop(axes: Axes, record: RecordEvidence, unit: str, cause: str) -> None
 
 
 def draw_pressure(axes: Axes, record: RecordEvidence, cause: str) -> None:
-    """Draw the measured actuator pressure against the current, or against time where there is none."""
+    """Draw the measured actuator pressure against the current."""
+    assert record.current is not None
     assert record.measured_pressure is not None
-    if record.current is not None:
-        abscissa, name, abscissa_unit = record.current, "current", "A"
-    else:
-        abscissa, name, abscissa_unit = record.time, "time", "s"
-    shown_x, factor_x = shown_unit(abscissa_unit, [_largest(abscissa)])
+    shown_x, factor_x = shown_unit("A", [_largest(record.current)])
     shown_y, factor_y = shown_unit("Pa", [_largest(record.measured_pressure)])
     step = max(1, -(-len(record.time) // _LOOP_POINTS))
     for values, style in _curves(record.measured_pressure, record.refitted_pressure, record.with_cause_pressure, cause):
-        axes.plot(abscissa[::step] * factor_x, values[::step] * factor_y, **style)
-    axes.set_xlabel(f"{name} [{shown_x}]")
+        axes.plot(record.current[::step] * factor_x, values[::step] * factor_y, **style)
+    axes.set_xlabel(f"current [{shown_x}]")
     axes.set_ylabel(f"pressure, gauge [{shown_y}]")
     _legend_above(axes)
 
@@ -299,8 +296,6 @@ def _curves(
 def _abscissa(record: RecordEvidence) -> tuple[np.ndarray, str, str]:
     if record.current is not None:
         return record.current, "current", "A"
-    if record.force is not None and record.position is None:
-        return record.force, "force", "N"
     if record.position is not None:
         return record.position, "position", "m"
     return record.time, "time", "s"

@@ -104,7 +104,7 @@ def record_pictures(name: str, record: RecordEvidence, unit: str, cause: str) ->
         halves.append(
             Picture(
                 Markup(figures.pressure_picture(f"{name}-pressure", record, cause)),
-                "Actuator pressure" + (" against current" if record.current is not None else " over time"),
+                "Actuator pressure against current",
                 f"Curves of the actuator pressure in {record.name}: {models}; measured "
                 f"{_span(record.measured_pressure, 'Pa')}.",
             )
