@@ -16,21 +16,24 @@ from valvemodel.periods import finer
 SEGMENT_TIME = 2.0
 """Usual length of a segment. [s]"""
 
-IPOPT = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes"}
+IPOPT = {
+    "print_time": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.max_iter": 60,
+    "ipopt.tol": 1e-4,
+    "ipopt.acceptable_iter": 3,
+}
 """Libraries do not print."""
 
 
 class ShootingProgram:
     """A fit problem as a nonlinear program in the scaled unknowns and the states at the nodes.
 
-    Parameters
-    ----------
-    problem : Problem
-    has_exact_curvature : bool
-        Whether IPOPT is given the exact Hessian of the Lagrangian; else that of Gauss and Newton, which is cheaper.
+    IPOPT is given the Hessian of Gauss and Newton, which is cheaper than the exact one of the Lagrangian.
     """
 
-    def __init__(self, problem: Problem, *, has_exact_curvature: bool = False) -> None:
+    def __init__(self, problem: Problem) -> None:
         self.problem = problem
         theta, self._width = ca.MX.sym("theta", len(problem.unknowns)), ca.MX.sym("width")
         segments = [_Segments(problem, number, theta, self._width) for number in range(len(problem.experiments))]
@@ -39,15 +42,12 @@ class ShootingProgram:
         unknowns = ca.vertcat(theta, *(ca.vec(each.nodes) for each in segments))
         jumps = ca.vertcat(*(each.jumps for each in segments))
         self._program: Any = {"x": unknowns, "p": self._width, "f": 0.5 * ca.sumsqr(residuals), "g": jumps}
-        self._options: dict[str, Any] = dict(IPOPT)
-        if not has_exact_curvature:
-            self._options["hess_lag"] = _gauss_newton(unknowns, self._width, residuals, jumps)
+        hessian = _gauss_newton(unknowns, self._width, residuals, jumps)
+        self._options: dict[str, Any] = {**IPOPT, "hess_lag": hessian}
         self._first = ca.Function("first", [theta, self._width], [ca.vertcat(*(each.guess for each in segments))])
         self._count = len(problem.unknowns)
 
-    def solve(
-        self, start: np.ndarray, width: float, nodes: np.ndarray | None = None, *, iterations: int = 60
-    ) -> tuple[Found, np.ndarray]:
+    def solve(self, start: np.ndarray, width: float, nodes: np.ndarray | None = None) -> tuple[Found, np.ndarray]:
         """Solve the program at a width [N] from a scaled point; the nodes begin at the readings, or where given.
 
         Returns
@@ -55,8 +55,7 @@ class ShootingProgram:
         (Found, array)
             The scaled point with half its sum of squared residuals, and the scaled nodes for the next width.
         """
-        options = {**self._options, "ipopt.max_iter": iterations, "ipopt.tol": 1e-4, "ipopt.acceptable_iter": 3}
-        solver = ca.nlpsol("fit", "ipopt", self._program, options)
+        solver = ca.nlpsol("fit", "ipopt", self._program, self._options)
         low, high = self.problem.bounds
         if nodes is None:
             nodes = self._first(start, width).full().ravel()
