@@ -12,6 +12,7 @@ from identification.design.information import Prospect, deviations, information,
 from identification.design.inputs import NUMBERS_A_SEGMENT, SEGMENTS, Limits, pattern_current, standard_ramp
 from identification.design.repetition import observed_deviations
 from identification.determined.sensitivity import differences
+from valvemodel.errors import unknown_name
 from valvemodel.model import Model
 
 SCHEMA = "valvemodel.design/1"
@@ -22,8 +23,12 @@ SIZE, GENERATIONS, JAGGED_GENERATIONS = 2, 50, 8
 REPETITIONS = 20
 """Simulated repetitions of the designed test, each refitted."""
 
-CRITERIA = ("D", "A")
-"""D: the smallest volume of the chosen parameters' ellipsoid; A: the smallest sum of their relative variances."""
+CRITERIA: dict[str, Callable[[np.ndarray], float]] = {
+    "D": lambda covariance: float(np.linalg.slogdet(covariance)[1]),
+    "A": lambda covariance: float(np.log(np.trace(covariance))),
+}
+"""What a design makes small of the covariance of the chosen parameters: by D the log of their ellipsoid's squared
+volume, by A that of the sum of their relative variances."""
 
 Progress = Callable[[str, float], None]
 
@@ -145,10 +150,11 @@ def design(
         found = prospect(model, time=limits.time, current=pattern_current(limits, numbers), noise=noise)
         return loss_of(information(found, steps), chosen, criterion)
 
-    best, evaluations = _searched(loss, JAGGED_GENERATIONS if is_jagged else GENERATIONS, progress, seed)
     before = information(ramp)
+    by_ramp = loss_of(before, chosen, criterion)
+    best, evaluations = _searched(loss, JAGGED_GENERATIONS if is_jagged else GENERATIONS, progress, seed)
     found = prospect(model, time=limits.time, current=pattern_current(limits, best), noise=noise)
-    if loss_of(information(found), chosen, criterion) > loss_of(before, chosen, criterion):
+    if loss_of(information(found), chosen, criterion) > by_ramp:
         found = ramp
     after = information(found)
     observed = None
@@ -160,11 +166,16 @@ def design(
 
 
 def loss_of(matrix: np.ndarray, chosen: Sequence[int], criterion: str) -> float:
-    """Return what a design makes small: by D the log of the squared volume, by A that of the sum of the variances."""
-    covariance = np.linalg.inv(matrix)[np.ix_(chosen, chosen)]
-    if criterion == "A":
-        return float(np.log(np.trace(covariance)))
-    return float(np.linalg.slogdet(covariance)[1])
+    """Return what a design makes small by a criterion, from the information on all unknowns.
+
+    Raises
+    ------
+    InputError
+        If the criterion is none of `CRITERIA`.
+    """
+    if criterion not in CRITERIA:
+        raise unknown_name("a criterion", criterion, CRITERIA)
+    return CRITERIA[criterion](np.linalg.inv(matrix)[np.ix_(chosen, chosen)])
 
 
 def _searched(

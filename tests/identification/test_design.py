@@ -72,6 +72,8 @@ def test_criteria_of_a_known_matrix() -> None:
     matrix = np.diag([4.0, 25.0, 100.0])
     assert loss_of(matrix, [0, 1], "D") == pytest.approx(math.log(0.25 * 0.04))
     assert loss_of(matrix, [0, 1], "A") == pytest.approx(math.log(0.25 + 0.04))
+    with pytest.raises(InputError, match="known: A, D"):
+        loss_of(matrix, [0, 1], "E")
 
 
 def test_names_are_letters_or_full() -> None:
