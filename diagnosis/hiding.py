@@ -12,7 +12,7 @@ from diagnosis.judgement import WITHIN_ERROR, Judgement, judge
 from diagnosis.trying import Candidate, Progress, Work, try_all
 from identification.holdout import Holdout
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, is_jagged
 
 HIDES = 1.1
 """Factor within which the squared error of a cause, or the noise, must stay for an effect to hide beside it."""
@@ -116,7 +116,7 @@ def is_astray(found: Candidate, best: Candidate) -> bool:
 
 def sticks(cause: Candidate) -> bool:
     """Return whether a cause makes the stem stick in places, so that its error is jagged."""
-    return any(effect_of_key(key).is_jagged for key in cause.effects)
+    return is_jagged(cause.effects)
 
 
 def strongest_start(effect: Effect) -> dict[str, float]:

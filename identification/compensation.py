@@ -16,7 +16,7 @@ from identification.hints import starts_of
 from identification.screening import Trial, joined, residual_positions
 from identification.search import Start, descend, errors
 from valvemodel.declarations import Effect
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.model import Model
 
 EVALUATIONS, PRECISION = 15, 1e-4
@@ -25,7 +25,7 @@ EVALUATIONS, PRECISION = 15, 1e-4
 
 def is_compensated(fit: Fit, effect: Effect) -> bool:
     """Return whether the base valve makes up for an effect, and one of a fit's effects hides by slips how it does."""
-    return effect.hides_in_base and any(effect_of_key(key).is_jagged for key in fit.model.effects)
+    return effect.hides_in_base and is_jagged(fit.model.effects)
 
 
 def compensated_trials(fit: Fit, effect: Effect) -> list[Trial]:

@@ -16,7 +16,7 @@ from identification.problem import Problem
 from identification.sharpening import sharpened
 from identification.unknowns import effect_unknowns
 from identification.wide import Box, is_at_noise, search_wide
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.model import Model
 
 Progress = Callable[[str, float], None]
@@ -59,7 +59,7 @@ def fit_exact(
     Fit
     """
     fits = []
-    if any(effect_of_key(key).is_jagged for key in effects):
+    if is_jagged(effects):
         progress("base valve and effects together", 0.0)
         fits += [fit_jointly(*case) for case in joint_problems(model, experiments, used, effects)]
         fits.sort(key=lambda fit: fit.found.error)

@@ -58,7 +58,7 @@ from identification.stick_slip import (
     tempered,
 )
 from valvemodel.declarations import Effect, Form
-from valvemodel.effects import effect_of_key, jumps_in_closed_form
+from valvemodel.effects import effect_of_key, is_jagged, jumps_in_closed_form
 
 KEPT_STARTS = 2
 """Starts that are followed down in each group, after all were screened."""
@@ -444,7 +444,7 @@ def looked_down(fit: Fit, effect: Effect, group: list[Trial], *, hopeless: float
     if fit.found.error < LITTLE_LEFT * fit.problem.noise_error or group[0].problem.has_series:
         return follow([(group[0].problem, group[0].point)], first=FIRST_LOOK)
     starts = starts_from(fit, effect, group)
-    if any(effect_of_key(key).is_jagged for key in group[0].problem.model.effects):
+    if is_jagged(group[0].problem.model.effects):
         return follow(starts, first=FIRST_LOOK_JAGGED, renewed=1)
     return follow(starts, first=FIRST_LOOK_OF_BRISTLES if effect.takes_long else FIRST_LOOK)
 

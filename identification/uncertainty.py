@@ -10,7 +10,7 @@ import numpy as np
 from identification.adequacy import undetermined_by
 from identification.experiment import Experiment
 from identification.fit import Fit
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import is_jagged
 
 UNDETERMINED_SHARE = 0.5
 """A parameter that the record narrows to no less than this share of its prior is not determined by it."""
@@ -56,7 +56,7 @@ def estimates(fit: Fit) -> list[Estimate]:
     spread = np.sqrt(np.diag(covariance(jacobian, residual, block)))
     quantile = interval_quantile(len(np.unique(block[block >= 0])))
     with_prior = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)))
-    is_jagged = any(effect_of_key(key).is_jagged for key in fit.model.effects)
+    of_slopes = MANY_MINIMA if is_jagged(fit.model.effects) else None
     lacking = undetermined_by(fit.problem.experiments)
     found = []
     for unknown, x, deviation, left_open in zip(fit.unknowns, fit.found.point, spread, with_prior, strict=True):
@@ -67,7 +67,7 @@ def estimates(fit: Fit) -> list[Estimate]:
         is_at_bound = bool(min(x - low, high - x) < AT_BOUND)
         widest = UNDETERMINED_SHARE * unknown.prior_spread
         is_determined = left_open < widest and (deviation < widest or not unknown.is_logarithmic)
-        reason = AT_A_BOUND if is_at_bound else HARDLY_SEEN if not is_determined else MANY_MINIMA if is_jagged else None
+        reason = AT_A_BOUND if is_at_bound else HARDLY_SEEN if not is_determined else of_slopes
         reason = lacking.get(unknown.name, reason)
         std = float(deviation * unknown.slope(value)) if reason is None else None
         ends = unknown.value(np.clip(x + quantile * deviation * np.array([-1.0, 1.0]), low, high))

@@ -50,6 +50,11 @@ def jumps(keys: Collection[str]) -> bool:
     return any(effect_of_key(key).breakaway for key in keys)
 
 
+def is_jagged(keys: Collection[str]) -> bool:
+    """Return whether the error of a fit with one of some effects has many minima."""
+    return any(effect_of_key(key).is_jagged for key in keys)
+
+
 def takes_long(keys: Collection[str]) -> bool:
     """Return whether a run with one of some effects takes long."""
     return any(effect_of_key(key).takes_long for key in keys)

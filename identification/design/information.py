@@ -11,7 +11,7 @@ from identification.determined.sensitivity import differences
 from identification.experiment import BLOCK_TIME, Experiment, simulate_rows
 from identification.problem import FINE_TOLERANCE, Problem
 from identification.unknowns import Unknown, base_unknowns, effect_unknowns, start_unknown
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import is_jagged
 from valvemodel.model import Model
 
 
@@ -63,8 +63,8 @@ def prospect(model: Model, *, time: np.ndarray, current: np.ndarray, noise: floa
     unknowns.append(start_unknown(start, 0))
     truth = {**model.numbers, "start_position": start}
     point = np.array([unknown.scaled(truth[unknown.name]) for unknown in unknowns])
-    is_jagged = any(effect_of_key(key).is_jagged for key in model.effects)
-    problem = Problem(model, [experiment], unknowns, [np.ones(len(time), bool)], is_jagged, tolerance=FINE_TOLERANCE)
+    used, is_anchored = [np.ones(len(time), bool)], is_jagged(model.effects)
+    problem = Problem(model, [experiment], unknowns, used, is_anchored, tolerance=FINE_TOLERANCE)
     return Prospect(problem, point)
 
 

@@ -11,7 +11,7 @@ from identification.fit import Fit
 from identification.problem import FINE_TOLERANCE, Problem
 from identification.uncertainty import UNDETERMINED_SHARE
 from identification.unknowns import Unknown
-from valvemodel.effects import effect_of_key
+from valvemodel import effects
 from valvemodel.quantities import format_quantity
 
 SEEN = 1.0
@@ -148,7 +148,7 @@ def exact_problem(fit: Fit) -> Problem:
 
 def is_jagged(fit: Fit) -> bool:
     """Return whether the error of a fit has many minima."""
-    return any(effect_of_key(key).is_jagged for key in fit.model.effects)
+    return effects.is_jagged(fit.model.effects)
 
 
 def differences(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
