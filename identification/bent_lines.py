@@ -10,9 +10,8 @@ from threadpoolctl import threadpool_limits
 
 from identification.breakaway import LIES_ON, Line, breakaways_of, counted, line_through, roamed, slopes_of
 from identification.fit import Fit, finished
-from identification.hints import starts_of
 from identification.problem import Problem
-from identification.screening import SHRUNK, as_given, joined, residual_positions, resized
+from identification.screening import SHRUNK, as_given, joined, resized, starts_on
 from identification.search import Found, Start, errors
 from identification.stick_slip import HIDES_THE_LINE, SHAPES_SLIPS
 from valvemodel.declarations import Effect
@@ -172,7 +171,7 @@ def promised(
 
 def starts_to_bend(fit: Fit, effect: Effect) -> Iterator[dict[str, float]]:
     """Yield the points at which a line is first bent by an effect."""
-    starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
+    starts = starts_on(fit, effect)
     if not has_dead_time(effect):
         yield from starts
         return

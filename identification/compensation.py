@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from identification.fit import Fit
-from identification.hints import starts_of
-from identification.screening import Trial, joined, residual_positions
+from identification.screening import Trial, joined, starts_on
 from identification.search import Start, descend, errors
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key, is_jagged
@@ -31,7 +30,7 @@ def is_compensated(fit: Fit, effect: Effect) -> bool:
 def compensated_trials(fit: Fit, effect: Effect) -> list[Trial]:
     """Return the starts of an effect on top of a fit, the base valve making up for each, the most promising first."""
     trials = []
-    for values in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+    for values in starts_on(fit, effect):
         problem, point = compensated(fit, effect, values)
         trials.append(Trial(problem, point, 2.0 * (fit.found.error - float(errors(problem, point[None, :])[0]))))
     return sorted(trials, key=lambda trial: -trial.gain)

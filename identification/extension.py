@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from identification.breakaway import Line
 from identification.compensation import compensated, compensated_trials, is_compensated
 from identification.fit import Fit, finished
-from identification.hints import other_forms, starts_of
+from identification.hints import other_forms
 from identification.pressures import makes_pressure, with_pressures_of
 from identification.problem import Problem
 from identification.restart import is_far_off
@@ -26,9 +26,9 @@ from identification.screening import (
     joined,
     placed,
     released,
-    residual_positions,
     resized,
     screened,
+    starts_on,
     traded,
     withheld,
 )
@@ -406,7 +406,7 @@ def slips_beside(begun: SlipSearch, fit: Fit, effect: Effect, line: Line) -> lis
 def forms_of(fit: Fit, effect: Effect) -> list[tuple[Problem, np.ndarray]]:
     """Return the problem with an effect in each of its forms, and the scaled points where searches for it begin."""
     forms: dict[Form, list[tuple[Problem, np.ndarray]]] = {}
-    for start in starts_of(effect, list(fit.problem.experiments), residual_positions(fit)):
+    for start in starts_on(fit, effect):
         pair = joined(fit.problem, fit.found.point, effect, start)
         forms.setdefault(effect.form_at(start), []).append(pair)
     return [(pairs[0][0], np.array([point for _, point in pairs])) for pairs in forms.values()]
@@ -517,7 +517,7 @@ def beside(fit: Fit, effect: Effect, kin: Fit, known: dict[str, float] | None = 
     are followed far: which comes nearest shows late.
     """
     valve = taken_over(fit, kin)
-    starts = [*starts_of(effect, list(fit.problem.experiments), residual_positions(fit)), *([known] if known else [])]
+    starts = [*starts_on(fit, effect), *([known] if known else [])]
     ratio = breakaway_of(kin) if effect.breakaway and fit.model.effects else None
     if ratio is not None:
         at_ratio = [{**start, effect.breakaway: ratio} for start in starts]

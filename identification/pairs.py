@@ -10,15 +10,15 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit
-from identification.hints import begins_at_periods, starts_of
+from identification.hints import begins_at_periods
 from identification.problem import Problem
 from identification.screening import (
     answered,
     beside_own,
     change_of,
     joined,
-    residual_positions,
     resized,
+    starts_on,
     traded,
     waves,
 )
@@ -90,7 +90,7 @@ def traces_of(fit: Fit, effect: Effect, alone: Fit | None = None) -> list[Trace]
     """Return what an effect changes of a fit's residuals: at its starts, at a part of them, and as fitted alone."""
     residual, basis, _ = fit.own_slopes
     left = beside_own(residual, basis)
-    starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
+    starts = starts_on(fit, effect)
     if begins_at_periods(effect):
         starts = waves(fit, effect, starts, left, basis)
     known = len(fit.found.point)

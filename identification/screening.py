@@ -60,7 +60,7 @@ def screened(fit: Fit, effect: Effect, known: dict[str, float] | None = None) ->
     """
     residual, basis, triangle = fit.own_slopes
     left = beside_own(residual, basis)
-    starts = list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
+    starts = starts_on(fit, effect)
     if begins_at_periods(effect):
         starts += waves(fit, effect, starts, left, basis)
         if fit.found.error > LITTLE_LEFT * fit.problem.noise_error and not fit.problem.has_series:
@@ -280,6 +280,11 @@ def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[st
         for each in effect.free_at(start)
         if each.is_size and math.isfinite(start[each.name])
     }
+
+
+def starts_on(fit: Fit, effect: Effect) -> list[dict[str, float]]:
+    """Return the starts of an effect on top of a fit, by what that leaves over."""
+    return list(starts_of(effect, list(fit.problem.experiments), residual_positions(fit)))
 
 
 def residual_positions(fit: Fit) -> list[np.ndarray]:

@@ -315,9 +315,8 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
     Judged by each slip itself, and then on the re-anchored run, the forms of an effect are followed down one after the
     other until one comes to the noise. Where none does they are searched for globally as well.
     """
-    close = [each for each in begun if each.found.error <= CLOSE_AT_SLIPS * begun[0].found.error]
     descended: list[Near] = []
-    for each in close:
+    for each in worth_loosening(begun):
         at_rests = min(each.found, follow(on_rests(each.slips.problem), each.found.point), key=lambda one: one.error)
         descended.append(on_the_run(each, at_rests, each.found.point))
         if descended[-1].is_at_noise:
@@ -340,7 +339,7 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
 
 
 def worth_loosening(begun: Sequence[SlipSearch]) -> list[SlipSearch]:
-    """Return the searches for an effect, the best first, under whose slips the line should move: none far off."""
+    """Return the searches for an effect, the best first, that are followed or have their line moved: none far off."""
     return [each for each in begun if each.found.error <= CLOSE_AT_SLIPS * begun[0].found.error]
 
 
