@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.regimes import AFTER_REVERSAL, time_since_reversal
+from identification.regimes import ends_of_travel, is_after_reversal, thirds_between
 
 ROWS = (
     "rising, just after a reversal",
@@ -80,14 +80,12 @@ def regime_map(
 
 def rows_of(time: np.ndarray, mode: np.ndarray) -> np.ndarray:
     """Return the row of each sample, by direction and time since the last reversal, shape (n,)."""
-    is_later = time_since_reversal(time, mode) >= AFTER_REVERSAL
-    return np.where(mode > 0, np.where(is_later, 1, 0), np.where(mode < 0, np.where(is_later, 4, 3), 2))
+    is_just_after = is_after_reversal(time, mode)
+    return np.where(mode > 0, np.where(is_just_after, 0, 1), np.where(mode < 0, np.where(is_just_after, 3, 4), 2))
 
 
 def columns_of(experiment: Experiment) -> tuple[np.ndarray, np.ndarray]:
     """Return the columns of each sample: its third of the travel, and its third of the record, each of shape (n,)."""
-    low, high = np.nanquantile(experiment.position, [0.002, 0.998])
-    edges = low + (high - low) * np.array([1.0, 2.0]) / 3.0
-    end = experiment.time[-1]
-    by_place = np.searchsorted(edges, np.nan_to_num(experiment.position, nan=low))
-    return by_place, 3 + np.searchsorted([end / 3.0, 2.0 * end / 3.0], experiment.time)
+    low, high = ends_of_travel(experiment.position)
+    by_place = np.searchsorted(thirds_between(low, high), np.nan_to_num(experiment.position, nan=low))
+    return by_place, 3 + np.searchsorted(thirds_between(0.0, experiment.time[-1]), experiment.time)

@@ -18,29 +18,27 @@ LIKE_THE_BAND = 0.02
 def masks_of(experiment: Experiment, mode: np.ndarray) -> dict[str, np.ndarray]:
     """Return the samples of each regime by its name, each an array of bool, shape (n,)."""
     time, position = experiment.time, experiment.position
-    low, high = _ends_of_travel(experiment)
-    low_third, high_third = _thirds_of_travel(experiment)
-    third_of_time = time[-1] / 3.0
+    low, high = ends_of_travel(position)
+    thirds, thirds_of_time = thirds_between(low, high), thirds_between(0.0, time[-1])
     margin = LIKE_THE_BAND * (high - low)
-    since = time_since_reversal(time, mode)
     return {
         "rising": mode > 0,
         "falling": mode < 0,
         "stuck": mode == 0,
-        "after_reversal": (since < AFTER_REVERSAL) & (mode != 0),
-        "low": position < low_third,
-        "middle": (position >= low_third) & (position <= high_third),
-        "high": position > high_third,
+        "after_reversal": is_after_reversal(time, mode) & (mode != 0),
+        "low": position < thirds[0],
+        "middle": (position >= thirds[0]) & (position <= thirds[1]),
+        "high": position > thirds[1],
         "near_stop": (position < low + margin) | (position > high - margin),
-        "early": time < third_of_time,
-        "late": time > 2.0 * third_of_time,
+        "early": time < thirds_of_time[0],
+        "late": time > thirds_of_time[1],
     }
 
 
 def words_of(experiments: Sequence[Experiment]) -> dict[str, str]:
     """Return where each regime is, in words by its name; a number that differs by experiment is told as a range."""
-    low_thirds, high_thirds = 1e3 * np.array([_thirds_of_travel(each) for each in experiments]).T
-    first_thirds, last_thirds = np.array([_thirds_of_time(each) for each in experiments]).T
+    low_thirds, high_thirds = 1e3 * np.array([thirds_between(*ends_of_travel(each.position)) for each in experiments]).T
+    first_thirds, last_thirds = np.array([each.start + thirds_between(0.0, each.time[-1]) for each in experiments]).T
     record = "the record" if len(experiments) == 1 else "each record"
     return {
         "rising": "while the stem rises",
@@ -56,20 +54,20 @@ def words_of(experiments: Sequence[Experiment]) -> dict[str, str]:
     }
 
 
-def _ends_of_travel(experiment: Experiment) -> np.ndarray:
-    """Return lowest and highest reading but for the outermost, shape (2,). [m]"""
-    return np.asarray(np.nanquantile(experiment.position, [0.002, 0.998]))
+def ends_of_travel(position: np.ndarray) -> tuple[float, float]:
+    """Return the lowest and the highest reading, but for two in a thousand at either end. [m]"""
+    low, high = np.nanquantile(position, [0.002, 0.998])
+    return low, high
 
 
-def _thirds_of_travel(experiment: Experiment) -> np.ndarray:
-    """Return where the lower third of the travel ends and the upper one begins, shape (2,). [m]"""
-    low, high = _ends_of_travel(experiment)
-    return np.asarray(low + (high - low) * np.array([1.0, 2.0]) / 3.0)
+def thirds_between(low: float, high: float) -> np.ndarray:
+    """Return the two places that part a range into thirds, shape (2,)."""
+    return low + (high - low) * np.array([1.0, 2.0]) / 3.0
 
 
-def _thirds_of_time(experiment: Experiment) -> np.ndarray:
-    """Return when the first third of a record ends and the last one begins, in its own time, shape (2,). [s]"""
-    return np.asarray(experiment.start + experiment.time[-1] / 3.0 * np.array([1.0, 2.0]))
+def is_after_reversal(time: np.ndarray, mode: np.ndarray) -> np.ndarray:
+    """Return at which samples the stem has just started the other way, shape (n,)."""
+    return time_since_reversal(time, mode) < AFTER_REVERSAL
 
 
 def _span(values: np.ndarray) -> str:
