@@ -14,6 +14,7 @@ from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.regimes import time_since_reversal
 from identification.ridge import ridge
+from identification.uncertainty import blocks_within
 
 PLACES = 12
 """Places along each input at which the correction's curve bends; more close no more."""
@@ -75,7 +76,7 @@ def ceiling_of(base: Fit, holdout: Holdout, *, is_anchored: bool) -> Errors:
         ]
     )
     curves = curves_over(known)
-    weights = learnt(curves(known), residual, fitted_blocks(holdout))
+    weights = learnt(curves(known), residual, np.concatenate(blocks_within(holdout.experiments, holdout.fitted)))
     corrected = [
         shifted(run, curves(inputs_of(each, run)) @ weights)
         for each, run in zip(holdout.scored_experiments, unseen, strict=True)
@@ -117,15 +118,6 @@ def hats(values: np.ndarray, places: np.ndarray) -> np.ndarray:
         return np.empty((len(values), 0))
     widths = 1.5 * np.gradient(places)
     return np.maximum(0.0, 1.0 - np.abs(values[:, None] - places) / widths)
-
-
-def fitted_blocks(holdout: Holdout) -> np.ndarray:
-    """Return the number of the block in time of each fitted sample, counted on through the experiments."""
-    parts, first = [], 0
-    for experiment, mask in zip(holdout.experiments, holdout.fitted, strict=True):
-        parts.append(first + experiment.block[mask])
-        first += int(experiment.block.max()) + 1
-    return np.concatenate(parts)
 
 
 def learnt(features: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:

@@ -113,16 +113,22 @@ def covariance(jacobian: np.ndarray, residual: np.ndarray, block: np.ndarray) ->
 
 def blocks_of(fit: Fit) -> np.ndarray:
     """Return the block in time of each residual of a fit, -1 for the priors and what counts for nothing, shape (r,)."""
+    experiments, masks = fit.problem.experiments, fit.problem.used
     parts: list[np.ndarray] = []
-    first = 0
-    for experiment, used in zip(fit.problem.experiments, fit.problem.used, strict=True):
-        numbers = first + experiment.block[used]
+    for experiment, used, numbers in zip(experiments, masks, blocks_within(experiments, masks), strict=True):
         parts.append(numbers)
         if experiment.pressure is not None:
             parts.append(np.where(experiment.pressures_in(used)[used], numbers, -1))
+    return np.concatenate([*parts, np.full(len(fit.unknowns), -1)])
+
+
+def blocks_within(experiments: Sequence[Experiment], masks: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return the block in time of each sample within masks, by experiment, counted on through the experiments."""
+    numbers, first = [], 0
+    for experiment, mask in zip(experiments, masks, strict=True):
+        numbers.append(first + experiment.block[mask])
         first += int(experiment.block.max()) + 1
-    parts.append(np.full(len(fit.unknowns), -1))
-    return np.concatenate(parts)
+    return numbers
 
 
 def rms_of(fit: Fit, experiments: Sequence[Experiment], masks: Sequence[np.ndarray]) -> float:
