@@ -41,6 +41,7 @@ from identification.search import (
     descend,
     descend_roughly,
     descend_to_end,
+    error_by_all,
     errors,
     principal_directions,
     roam,
@@ -644,9 +645,5 @@ def search_jagged(fit: Fit, effect: Effect, trials: list[Trial], *, is_thorough:
         if each.is_anchored and best.error > promising:
             return problem, Found(best.point, float(errors(problem, best.point[None, :])[0]))
         found.append(descend(each, best.point, evaluations=10, precision=1e-4).point)
-
-    def misfit(point: np.ndarray) -> float:
-        return float(np.prod([errors(each, point[None, :])[0] for each in yardsticks]))
-
-    point = min(found, key=misfit)
+    point = min(found, key=partial(error_by_all, yardsticks))
     return problem, Found(point, float(errors(problem, point[None, :])[0]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, Required, TypedDict, Unpack
@@ -232,6 +232,11 @@ def errors(problem: Problem, points: np.ndarray, most: np.ndarray | float = np.i
         )
     lost = LOST * sum(int(used.sum()) for used in problem.used)
     return 0.5 * np.where(np.isfinite(sums), sums, lost)
+
+
+def error_by_all(problems: Sequence[Problem], point: np.ndarray) -> float:
+    """Return the product of the errors of a scaled point by several yardsticks, as are the free and re-anchored run."""
+    return float(np.prod([errors(each, point[None, :])[0] for each in problems]))
 
 
 def principal_directions(jacobian: np.ndarray, error: float) -> np.ndarray:

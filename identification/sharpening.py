@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from identification.experiment import Experiment
 from identification.fit import Fit, finished, measured
 from identification.problem import Problem
-from identification.search import Found, descend, errors, points_beside, principal_directions, roam
+from identification.search import Found, descend, error_by_all, errors, points_beside, principal_directions, roam
 from identification.unknowns import start_unknown
 from valvemodel.effects import effect_of_key
 
@@ -58,7 +58,7 @@ def sharpened(fit: Fit) -> Fit:
     yardsticks = (free, replace(free, is_anchored=True))
 
     def misfit(point: np.ndarray) -> float:
-        return float(np.sqrt(np.prod([errors(each, point[None, :])[0] for each in yardsticks])))
+        return float(np.sqrt(error_by_all(yardsticks, point)))
 
     patience = SHORT if any(effect_of_key(key).is_chaotic for key in fit.model.effects) else QUICK
     best, vain = fit.found.point, 0

@@ -13,7 +13,7 @@ from identification.breakaway import Line, breakaways_of, line_through, roamed
 from identification.pressures import told_by_pressure
 from identification.problem import Problem
 from identification.rests import put_on_rests
-from identification.search import Found, descend, descend_to_end, errors, roam_through
+from identification.search import Found, descend, descend_to_end, error_by_all, errors, roam_through
 from identification.wide import AT_NOISE, is_at_noise
 from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
@@ -330,9 +330,7 @@ def search_near(begun: Sequence[SlipSearch]) -> tuple[Problem, Found]:
         found = search_beside(near.slip, near.point, free, FREE)
         points += [found.point, follow(free, found.point).point]
 
-    def misfit(point: np.ndarray) -> float:
-        return float(errors(anchored, point[None, :])[0] * errors(free, point[None, :])[0])
-
+    misfit = partial(error_by_all, (anchored, free))
     best = min(points, key=misfit)
     best = min([best, descend_to_end(problem, best).point], key=misfit)
     return problem, Found(best, float(errors(problem, best[None, :])[0]))

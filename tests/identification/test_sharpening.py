@@ -59,6 +59,7 @@ def test_rounds_in_vain_end_the_search_sooner_where_a_run_takes_long(monkeypatch
 
     monkeypatch.setattr(sharpening, "searched_about", searched)
     monkeypatch.setattr(sharpening, "errors", lambda problem, points: points[:, 0])
+    monkeypatch.setattr(sharpening, "error_by_all", lambda problems, point: point[0] ** len(problems))
     monkeypatch.setattr(sharpening, "finished", lambda problem, found: found)
     monkeypatch.setattr(sharpening, "replace", lambda problem, **_: problem)
     fit = SimpleNamespace(
