@@ -246,7 +246,7 @@ def fit_records(
     account = account_of(
         whole,
         found,
-        records[0],
+        next((record for record in records if record.pressure is not None), records[0]),
         has_profile=has_profile,
         samples=samples,
         repetitions=repetitions,

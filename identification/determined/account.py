@@ -118,7 +118,7 @@ def account_of(
     found : sequence of Estimate
         Its parameters.
     record : Record
-        One of those that were fitted: its signals count.
+        One of those that were fitted, with a pressure if any has one: its signals count.
     has_profile : bool
         Whether to follow the profile likelihood of each parameter.
     samples : array, shape (samples, unknowns), optional
