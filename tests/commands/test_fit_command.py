@@ -8,6 +8,8 @@ import numpy as np
 import polars
 import pytest
 
+from valvemodel import Model, read_valve
+
 BASE = {
     "stem_mass": "kg",
     "spring_rate": "N/m",
@@ -83,6 +85,17 @@ def test_profile_and_bootstrap_are_asked_for(command, made_up, tmp_path):
     assert determined["parameters"]["spring_rate"]["interval_from"] == "profile"
     low, high = determined["profile"]["spring_rate"]
     assert low < 60000.0 < high or abs(low / 60000.0 - 1.0) < 1e-3
+
+
+def test_a_fit_begins_with_a_model_that_another_wrote(command, made_up, tmp_path):
+    valve = read_valve("calibrated")
+    Model("refitted", {**valve.values, "diaphragm_area": 2.0 * valve.values["diaphragm_area"]}).write(
+        tmp_path / "base.json"
+    )
+    result = command("fit", made_up, "--model", "base.json", "--out", "again")
+    assert result.exit_code == 0, result.output
+    # Twice the area takes twice the forces for the same travel.
+    assert fitted(tmp_path / "again")["parameters"]["spring_rate"]["value"] == pytest.approx(2.0 * 60000.0, rel=1e-3)
 
 
 def test_model_goes_into_simulate_and_several_records_into_one_fit(command, made_up, short_record, tmp_path):

@@ -34,6 +34,17 @@ def test_table_is_that_of_the_simulator(command, short_record, tmp_path):
     assert os.listdir(tmp_path) == ["out.csv"]
 
 
+def test_columns_that_are_called_otherwise_are_named(command, short_record, tmp_path):
+    header, *rows = short_record.read_text().splitlines()
+    assert header.startswith("time [s],current [mA]")
+    (tmp_path / "logger.csv").write_text("\n".join([header.replace("time [s],current [mA]", "Zeit [s],OP"), *rows]))
+    named = ("--column", "time=Zeit", "--column", "current [mA]=OP")
+    for source, words in ((short_record, ()), (tmp_path / "logger.csv", named)):
+        result = command("simulate", "--input", source, *words, "--out", f"of-{source.stem}.csv")
+        assert result.exit_code == 0, result.output
+    assert (tmp_path / "of-logger.csv").read_text() == (tmp_path / f"of-{short_record.stem}.csv").read_text()
+
+
 def test_start_is_the_middle_of_the_stuck_band_or_as_told(command, short_record, tmp_path):
     command("simulate", "--input", short_record, "--out", "rest.csv")
     result = command("simulate", "--input", short_record, "--start-position", "60.5 mm", "--out", "told.csv")
