@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.command import Count, command, json_option, print_json
 from valvemodel.commands.given import complete_effects
 from valvemodel.commands.places import check_folder
 from valvemodel.commands.trouble import Interrupted
@@ -24,25 +24,9 @@ Examples:
   valvemodel blindtest --every 5 --out slow
   valvemodel blindtest --current-noise "0.008 mA" --out measured""",
 )
-@click.option(
-    "--plants", type=click.IntRange(min=1), metavar="N", default=200, show_default=True, help="How many valves."
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    metavar="N",
-    default=0,
-    show_default=True,
-    help="Another number draws other valves.",
-)
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    metavar="N",
-    default=2,
-    show_default=True,
-    help="Valves at the same time, one core each.",
-)
+@click.option("--plants", type=Count(min=1), default=200, show_default=True, help="How many valves.")
+@click.option("--seed", type=Count(min=0), default=0, show_default=True, help="Another number draws other valves.")
+@click.option("--jobs", type=Count(min=1), default=2, show_default=True, help="Valves at the same time, one core each.")
 @click.option(
     "--kinds",
     default="single,pair,none,left-out",
@@ -60,8 +44,7 @@ Examples:
 @click.option("--pressure", is_flag=True, help="Measure the pressure too.")
 @click.option(
     "--every",
-    type=click.IntRange(min=1),
-    metavar="N",
+    type=Count(min=1),
     default=1,
     show_default=True,
     help="Keep every Nth row only, as a logger does that is slower than what drives the valve.",

@@ -13,6 +13,14 @@ import click
 _IS_QUIET = "valvemodel.is_quiet"
 
 
+class Count(click.IntRange):
+    """A whole number within bounds, in the help an N."""
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what stands for it in the help."""
+        return "N"
+
+
 def _keep_quiet(context: click.Context, option: click.Parameter, is_quiet: bool) -> None:
     context.meta[_IS_QUIET] = is_quiet
 

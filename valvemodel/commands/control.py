@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.command import Count, command, json_option, print_json
 from valvemodel.commands.control_answer import print_contest, print_findings
 from valvemodel.commands.given import effects_option, model_given, model_option, valve_option, with_effects
 from valvemodel.commands.places import check_folder, write_together
@@ -60,11 +60,10 @@ Examples:
     show_default=True,
     help="Disturbance: a force on the stem in the second half of each set point, positive against a rise.",
 )
-@click.option("--seed", type=click.IntRange(min=0), metavar="N", default=0, show_default=True, help="Of the noise.")
+@click.option("--seed", type=Count(min=0), default=0, show_default=True, help="Of the noise.")
 @click.option(
     "--tuning-runs",
-    type=click.IntRange(min=40),
-    metavar="N",
+    type=Count(min=40),
     default=400,
     show_default=True,
     help="Settings that each controller may try; the same number for all; fewer for a slow valve.",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.command import Count, command, json_option, print_json
 from valvemodel.commands.places import check_file, check_not_input
 from valvemodel.commands.waiting import progress_shown
 from valvemodel.errors import InputError
@@ -52,7 +52,7 @@ Examples:
 @click.option("--noise", default="0.1 mm", show_default=True, metavar="LENGTH", help="White noise of the reading.")
 @click.option("--criterion", default="D", show_default=True, type=click.Choice(["D", "A"]),
               help="D: smallest volume of the errors' ellipsoid; A: smallest sum of relative variances.")  # fmt: skip
-@click.option("--repetitions", default=20, show_default=True, type=click.IntRange(min=0), metavar="N",
+@click.option("--repetitions", default=20, show_default=True, type=Count(min=0),
               help="Simulated repetitions that verify the deviations; 0 leaves them out.")  # fmt: skip
 @click.option(
     "--out",

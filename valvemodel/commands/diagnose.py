@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.command import Count, command, json_option, print_json
 from valvemodel.commands.given import (
     base_given,
     columns_called,
@@ -51,8 +51,7 @@ Examples:
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(min=1),
-    metavar="N",
+    type=Count(min=1),
     help="Processes that search at the same time.  [default: one a core, at most 8]",
 )
 @click.option(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from valvemodel.commands.command import command, json_option, print_json
+from valvemodel.commands.command import Count, command, json_option, print_json
 from valvemodel.commands.fitted import print_outcome
 from valvemodel.commands.given import (
     base_given,
@@ -76,8 +76,7 @@ Examples:
     "--bootstrap",
     "repetitions",
     default=0,
-    metavar="N",
-    type=click.IntRange(min=0),
+    type=Count(min=0),
     help="Refit N times to the fitted trajectory with blocks of its residuals drawn anew; 200 is a good number.",
 )
 @json_option

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from valvemodel.commands.command import command
+from valvemodel.commands.command import Count, command
 from valvemodel.commands.given import effects_option, model_given, model_option, valve_option, with_effects
 from valvemodel.commands.places import check_file, check_folder, write_together
 from valvemodel.commands.waiting import progress_shown
@@ -41,14 +41,7 @@ Examples:
 @click.option("--kp", metavar="GAIN", help='Of the PID, as "0.05 mA/mm".  [default: half of the inverse static gain]')
 @click.option("--ki", metavar="GAIN", help='As "0.1 mA/(mm*s)".  [default: the inverse static gain, per second]')
 @click.option("--kd", metavar="GAIN", default="0 A*s/m", show_default=True, help='As "0.001 mA*s/mm".')
-@click.option(
-    "--pade-order",
-    type=click.IntRange(1, 10),
-    metavar="N",
-    default=4,
-    show_default=True,
-    help="Of the line's dead time.",
-)
+@click.option("--pade-order", type=Count(1, 10), default=4, show_default=True, help="Of the line's dead time.")
 @click.option(
     "--limit-cycle",
     "seeks_cycle",
