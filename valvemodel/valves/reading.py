@@ -11,7 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from valvemodel.base_valve import BASE_PARAMETERS
+from valvemodel.base_valve import BASE_PARAMETERS, BY_PRESSURE, ON_PRESSURE
 from valvemodel.equations import numeric
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.quantities import to_si
@@ -57,7 +57,7 @@ _DERIVED_BY = {
     "gap_offset": "derived from the coil, eq. (31)",
     "gap_gain": "derived from the coil, eq. (31)",
 }
-_PRESSURE = ("flow_ratio", "gap_offset", "gap_gain", "pressure_at_zero_current", "pressure_per_current")
+_PRESSURE = tuple(name for name in ON_PRESSURE if name not in BY_PRESSURE)
 """How the current makes the pressure, by the gap or by a straight line."""
 
 _FORMS = ("corrected", "as printed")
@@ -105,8 +105,8 @@ def read_valve(name_or_path: str | Path) -> Valve:
     """
     is_set = str(name_or_path) in valve_names()
     if is_set:
-        path: Any = resources.files("valvemodel.valves") / f"{name_or_path}.toml"
         name = str(name_or_path)
+        path = _place_of(name)
     else:
         path = Path(name_or_path)
         name = path.stem
@@ -121,6 +121,11 @@ def read_valve(name_or_path: str | Path) -> Valve:
     except tomllib.TOMLDecodeError as error:
         raise InputError("a valve file is TOML", f"{path}: {error}", "correct that line") from None
     return _Reader(name, path.name if is_set else str(path), text, content).valve()
+
+
+def _place_of(name: str) -> Any:
+    """Return where the file of a valve set is."""
+    return resources.files("valvemodel.valves") / f"{name}.toml"
 
 
 def _text(path: Any) -> str:
@@ -154,7 +159,7 @@ class _Reader:
         entries = {key: self._entry(key, entry) for key, entry in self.content.items()}
         given = {key: self._si(key, entry) for key, entry in entries.items()}
         taken = self._taken(given)
-        given |= {key: value for key, (value, _) in taken.items()}
+        given |= {key: entry.value for key, entry in taken.items()}
         self._check_complete(given)
         values = {name: given.get(name, parameter.neutral) for name, parameter in _BASE.items()}
         for name in _RAW_OF:
@@ -174,14 +179,14 @@ class _Reader:
             if math.isfinite(span):
                 values["rated_travel"] = span
                 entries["rated_travel"] = Entry(span, "m", "derived: travel_max less travel_min", False)
-        entries |= {name: entry for name, (_, entry) in taken.items()}
+        entries |= taken
         for name, parameter in _BASE.items():
             if name not in entries:
                 entries[name] = Entry(values[name], parameter.unit, _absence(name), False)
         return Valve(self.name, values, entries, self.what, self.source)
 
-    def _taken(self, given: Mapping[str, float]) -> dict[str, tuple[float, Entry]]:
-        """Return what is taken from the set that the file is based on: what a data sheet lacks, each with its entry.
+    def _taken(self, given: Mapping[str, float]) -> dict[str, Entry]:
+        """Return the entries, in SI units, that are taken from the set that the file is based on: what it lacks.
 
         Of how the current makes the pressure all is taken or nothing.
         """
@@ -197,13 +202,10 @@ class _Reader:
         base = read_valve(self.based_on)
         own_pressure = any(name in given for name in (*_PRESSURE, *_RAW_UNITS))
         left_out = {*given, "rated_travel"} | (set(_PRESSURE) if own_pressure else set())
-        names = [name for name in _BASE if name not in left_out and math.isfinite(base.values[name])]
         return {
-            name: (
-                base.values[name],
-                Entry(base.values[name], _BASE[name].unit, f"not given: as in {self.based_on}", False),
-            )
-            for name in names
+            name: Entry(value, _BASE[name].unit, f"not given: as in {self.based_on}", False)
+            for name, value in base.values.items()
+            if name not in left_out and math.isfinite(value)
         }
 
     def _entry(self, key: str, entry: Any) -> Entry:
@@ -304,7 +306,7 @@ def valve_text(name: str) -> str:
     """
     if name not in valve_names():
         raise unknown_name("a valve set", name, valve_names())
-    return (resources.files("valvemodel.valves") / f"{name}.toml").read_text(encoding="utf-8")
+    return _text(_place_of(name))
 
 
 def _absence(name: str) -> str:
