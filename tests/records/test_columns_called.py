@@ -47,6 +47,8 @@ def test_a_table_of_pandas_has_columns_that_are_called_otherwise():
     [
         ({"strom": "Strom"}, "a column must be one of the known ones"),
         ({"current": "Storm [mA]"}, "did you mean 'Strom"),
+        ({"current": "Strom", "current [mA]": "Stellung"}, "current came twice"),
+        ({"current": "Strom", "position": "strom"}, "came as current and position"),
     ],
 )
 def test_what_is_not_there_is_said(tmp_path, columns, said):

@@ -125,13 +125,15 @@ def columns_called(texts: Sequence[str]) -> dict[str, str]:
     InputError
         If a text is not NAME=HEADER, or a name comes twice.
     """
+    from valvemodel.records.header import named_twice
+
     called: dict[str, str] = {}
     for text in texts:
         name, sign, header = (part.strip() for part in text.partition("="))
         if not (name and sign and header):
             raise InputError("--column is NAME=HEADER", f"got {text!r}", 'write it like --column "current=Strom [mA]"')
         if name in called:
-            raise InputError("a column is named once", f"{name} came twice", "name one header for it")
+            raise named_twice(name)
         called[name] = header
     return called
 

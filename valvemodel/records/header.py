@@ -55,33 +55,36 @@ def read_called(columns: Mapping[str, str]) -> dict[str, Header]:
     Raises
     ------
     InputError
-        If a name is none of the known ones.
+        If a name is none of the known ones or comes twice, or a header does.
 
     Examples
     --------
     >>> read_called({"current [mA]": "OP"})
     {'current': Header(text='OP', name='op', unit='mA')}
     """
-    called = {}
+    called: dict[str, Header] = {}
     for told, text in columns.items():
         wanted, own = read_identifier(told), read_header(text)
         if wanted.name not in DIMENSIONS:
             raise unknown_name("a column", wanted.name, DIMENSIONS)
+        if wanted.name in called:
+            raise named_twice(wanted.name)
+        if twin := next((name for name, other in called.items() if other.text.casefold() == own.text.casefold()), None):
+            raise InputError("a column has one name", f"{own.text!r} came as {twin} and {wanted.name}", "leave one out")
         called[wanted.name] = replace(own, unit=wanted.unit)
     return called
 
 
+def named_twice(name: str) -> InputError:
+    """Make the error for a column of which it is told twice what it is called."""
+    return InputError("a column is named once", f"{name} came twice", "name one header for it")
+
+
 def find_columns(headers: Sequence[Header], called: Mapping[str, Header] = NOTHING) -> dict[str, list[int]]:
     """Return for each known name the numbers of the columns that carry it, or that are called what is told of it."""
-    found = {name: [n for n, header in enumerate(headers) if is_called(header, own)] for name, own in called.items()}
-    found = {name: numbers for name, numbers in found.items() if numbers}
-    taken = {number for numbers in found.values() for number in numbers}
+    found: dict[str, list[int]] = {}
     for number, header in enumerate(headers):
-        if number in taken or header.name in called:
-            continue
-        if header.name in DIMENSIONS:
-            found.setdefault(header.name, []).append(number)
-        elif header.unit is None and (name := _unbracketed(header.text)) and name not in called:
+        if name := known_name(header, called):
             found.setdefault(name, []).append(number)
     if "time" not in found and "time" not in called:
         stamps = [number for number, header in enumerate(headers) if header.name in TIME_NAMES]
@@ -90,9 +93,15 @@ def find_columns(headers: Sequence[Header], called: Mapping[str, Header] = NOTHI
     return found
 
 
-def is_called(header: Header, own: Header) -> bool:
-    """Return whether a column is the one that is told by its header, or by that without the unit."""
-    return own.text.casefold() in (header.text.casefold(), header.name)
+def known_name(header: Header, called: Mapping[str, Header]) -> str | None:
+    """Return the known name of a column: what is told of it, else its own unless another column is told to have it."""
+    for name, own in called.items():
+        if own.text.casefold() in (header.text.casefold(), header.name):
+            return name
+    written = header.name if header.name in DIMENSIONS else None
+    if written is None and header.unit is None:
+        written = _unbracketed(header.text)
+    return None if written in called else written
 
 
 def with_told_unit(header: Header, own: Header | None) -> Header:
@@ -119,10 +128,7 @@ def missing_column(names: Sequence[str], found: Mapping[str, list[int]], sheet: 
     meant = {name: nearest for name in ("time", *names) if name not in found and (nearest := likely(name, headers))}
     if meant:
         likely_ones = " and ".join(f"{text!r} is the {name}" for name, text in meant.items())
-        told = " ".join(f"--column '{name}={text}'" for name, text in meant.items())
-        remedy += (
-            f"; if {likely_ones}, rename {'it' if len(meant) == 1 else 'them'}, or give {told} (columns= in Python)"
-        )
+        remedy += f"; if {likely_ones}, rename {'it' if len(meant) == 1 else 'them'}, or give {_told(meant)}"
     if any("," in header.text or ";" in header.text or "\t" in header.text for header in headers):
         remedy += "; columns are separated by comma, semicolon or tab"
     return InputError(f"the record needs the {what} {wanted}", _there(sheet), remedy)
@@ -149,6 +155,12 @@ def _unit_there(name: str, headers: Sequence[Header]) -> str:
     return "%" if in_percent and not any(is_unit_of(unit, DIMENSIONS[name]) for unit in units) else USUAL[name]
 
 
+def _told(columns: Mapping[str, str]) -> str:
+    """Return how one tells what columns are called, on the command line and in Python."""
+    options = " ".join(f"--column '{name}={text}'" for name, text in columns.items())
+    return f"{options} (columns= in Python)"
+
+
 def _there(sheet: Sheet) -> str:
     return f"{sheet.name} has {', '.join(repr(header.text) for header in sheet.headers if header.text) or 'nothing'}"
 
@@ -173,7 +185,7 @@ def unread_time(header: Header, sheet: Sheet) -> InputError:
     return InputError(
         "the column of times is called 'time'; without one the rows are pairs of a settled loop",
         f"{sheet.name}: column {header.text!r} holds times and is not read",
-        f"rename it to {name!r}, or give --column 'time={header.text}' (columns= in Python); "
+        f"rename it to {name!r}, or give {_told({'time': header.text})}; "
         "if the rows are pairs of a settled loop, delete the column",
     )
 
