@@ -111,10 +111,11 @@ def curves_of_force(experiments: Sequence[Experiment], model: Model) -> Iterator
 
 
 def _without_gaps(time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return times and signals, shape (n,) each, from where all are known first to last, straight over gaps within."""
-    known = np.flatnonzero(np.isfinite(signals).all(axis=0))
-    rows = slice(known[0], known[-1] + 1)
-    return time[rows], *(np.interp(time[rows], time[known], signal[known]) for signal in signals)
+    """Return times and signals, shape (n,) each, from where all have begun to where one ends, straight over gaps."""
+    known = [np.flatnonzero(np.isfinite(signal)) for signal in signals]
+    rows = slice(max(each[0] for each in known), min(each[-1] for each in known) + 1)
+    filled = [np.interp(time[rows], time[each], signal[each]) for each, signal in zip(known, signals, strict=True)]
+    return time[rows], *filled
 
 
 def curves_of_own_signals(explained: Sequence[Explained]) -> Iterator[Curve]:

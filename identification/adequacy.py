@@ -66,7 +66,7 @@ def adequate(experiments: Sequence[Experiment]) -> tuple[list[Experiment], list[
     for experiment in experiments:
         clean, said = without_clipped(experiment)
         try:
-            check_clipping(experiment)
+            check_clipping(experiment, clean)
             check(clean)
         except InputError as error:
             refused.append(error)
@@ -128,20 +128,21 @@ def without_clipped(experiment: Experiment) -> tuple[Experiment, list[str]]:
     Where they are most of it there is none: `check_clipping` says so.
     """
     is_clipped = clipped_readings(experiment)
-    if is_clipped.mean() < CLIPPED_SHARE:
+    share = float(is_clipped.mean())
+    if share < CLIPPED_SHARE:
         return experiment, []
     position = np.where(is_clipped, np.nan, experiment.position)
     clean = replace(experiment, position=position, noise=noise_level(position))
-    if is_clipped.mean() > MOST_CLIPPED:
+    if share > MOST_CLIPPED:
         return clean, []
-    return clean, [f"{_clipped_words(experiment, is_clipped)}: they are clipped and left out; {WIDER_RANGE}"]
+    return clean, [f"{_clipped_words(experiment, share)}: they are clipped and left out; {WIDER_RANGE}"]
 
 
-def check_clipping(experiment: Experiment) -> None:
-    """Raise if most readings of an experiment are clipped."""
-    is_clipped = clipped_readings(experiment)
-    if is_clipped.mean() > MOST_CLIPPED:
-        found = _clipped_words(experiment, is_clipped)
+def check_clipping(experiment: Experiment, clean: Experiment) -> None:
+    """Raise if most readings of an experiment are clipped, which one without these tells."""
+    share = float((np.isfinite(experiment.position) & np.isnan(clean.position)).mean())
+    if share > MOST_CLIPPED:
+        found = _clipped_words(experiment, share)
         raise InputError("the position is not clipped over most of a record", found, WIDER_RANGE)
 
 
@@ -163,8 +164,7 @@ def clipped_readings(experiment: Experiment) -> np.ndarray:
     return np.zeros(len(position), bool) if is_coarse or is_smooth else clipped
 
 
-def _clipped_words(experiment: Experiment, is_clipped: np.ndarray) -> str:
-    share = float(is_clipped.mean())
+def _clipped_words(experiment: Experiment, share: float) -> str:
     return f"{experiment.name}: {share:.0%} of the positions stay at the highest or lowest reading without noise"
 
 

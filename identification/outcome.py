@@ -12,7 +12,6 @@ import numpy as np
 
 from identification.determined.account import Account, account_of, account_of_stem
 from identification.determined.sampling import sampled
-from identification.determined.sensitivity import is_jagged
 from identification.display import fit_card, parameter_columns
 from identification.driving.between_rows import may_have_moved, moving_between_rows, said_of_motion
 from identification.driving.measured_current import as_set, may_be_noisy, said_of_current
@@ -28,7 +27,7 @@ from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate, estima
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.display import Card, Shown
 from valvemodel.drawing import axes_or_new
-from valvemodel.effects import effect_of_key
+from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.files import write_json
 from valvemodel.loops import SETTLING_EFFECTS
@@ -240,13 +239,13 @@ def fit_records(
         part, whole = _fit_exactly(holdout, experiments, model, effects, progress)
     rms_unseen = rms_of(part, holdout.scored_experiments, holdout.scored)
     samples = None
-    if has_profile and is_jagged(whole):
+    if has_profile and is_jagged(whole.model.effects):
         whole, samples = sampled(whole, progress)
     found = tuple(estimates(whole))
     account = account_of(
         whole,
         found,
-        next((record for record in records if record.pressure is not None), records[0]),
+        next(record for record in records if (record.pressure is not None) == whole.problem.has_pressure),
         has_profile=has_profile,
         samples=samples,
         repetitions=repetitions,

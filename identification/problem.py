@@ -110,11 +110,10 @@ class Problem:
             if experiment.pressure is not None:
                 measured = experiment.pressure[places]
                 missed = (measured - simulated.pressure[:, places]) / experiment.pressure_noise
-                pressures = slice(first + len(places), first + counts[number])
+                missed[~np.isfinite(missed)] = LOST
                 # A pressure that was not measured where the position was counts for nothing.
-                residuals[:, pressures] = np.where(
-                    np.isfinite(measured), np.where(np.isfinite(missed), missed, LOST), 0.0
-                )
+                missed[:, ~np.isfinite(measured)] = 0.0
+                residuals[:, first + len(places) : first + counts[number]] = missed
             first += counts[number]
         residuals[:, first:] = points / self.prior_spreads
         return residuals

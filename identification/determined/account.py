@@ -13,7 +13,7 @@ from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
 from identification.determined.profile import Ends, profile
 from identification.determined.sampling import likely
-from identification.determined.sensitivity import Direction, directions_of, is_jagged, sensitivity_of
+from identification.determined.sensitivity import Direction, directions_of, sensitivity_of
 from identification.determined.structure import Structure, structure_of
 from identification.fit import Fit
 from identification.uncertainty import (
@@ -24,6 +24,7 @@ from identification.uncertainty import (
     covariance,
     interval_quantile,
 )
+from valvemodel.effects import is_jagged
 from valvemodel.model import Model
 from valvemodel.records import Record
 
@@ -118,7 +119,7 @@ def account_of(
     found : sequence of Estimate
         Its parameters.
     record : Record
-        One of those that were fitted, with a pressure if any has one: its signals count.
+        One of those that were fitted: the signals that it has count, a pressure if one was fitted to.
     has_profile : bool
         Whether to follow the profile likelihood of each parameter.
     samples : array, shape (samples, unknowns), optional
@@ -137,7 +138,7 @@ def account_of(
         directions=directions,
         steps={each.name: float(step) for each, step in zip(sensitivity.unknowns, sensitivity.steps, strict=True)},
         is_anchored=sensitivity.is_anchored,
-        is_jagged=is_jagged(fit),
+        is_jagged=is_jagged(fit.model.effects),
     )
     near = neighbourhood_of(fit) if has_profile or repetitions else None
     if has_profile and near is not None:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identification.determined.sensitivity import differences, exact_problem, is_jagged, misfit
+from identification.determined.sensitivity import differences, exact_problem, misfit
 from identification.fit import Fit, finished
 from identification.problem import Problem
 from identification.search import Found, descend, roam
+from valvemodel.effects import is_jagged
 from valvemodel.model import Model
 
 EVALUATIONS, PRECISION = 8, 1e-7
@@ -93,7 +94,7 @@ def neighbourhood_of(fit: Fit) -> Neighbourhood:
     prior = np.array([unknown.prior_spread for unknown in fit.unknowns])
     information = columns.T @ columns / misfit(exact, fit.found.point) ** 2 + np.diag(prior**-2.0)
     problem = replace(fit.problem, is_anchored=exact.is_anchored)
-    return Neighbourhood(problem, fit.found.point, np.linalg.inv(information), is_jagged(fit))
+    return Neighbourhood(problem, fit.found.point, np.linalg.inv(information), is_jagged(fit.model.effects))
 
 
 def settled(fit: Fit) -> Fit:

@@ -11,7 +11,7 @@ from identification.fit import Fit
 from identification.problem import FINE_TOLERANCE, Problem
 from identification.uncertainty import UNDETERMINED_SHARE
 from identification.unknowns import Unknown
-from valvemodel import effects
+from valvemodel.effects import is_jagged
 from valvemodel.quantities import format_quantity
 
 SEEN = 1.0
@@ -142,13 +142,8 @@ def misfit(problem: Problem, point: np.ndarray) -> float:
 def exact_problem(fit: Fit) -> Problem:
     """Return the problem of a fit of fine runs, without priors, re-anchored where it is jagged."""
     flat = tuple(replace(unknown, prior_spread=np.inf) for unknown in fit.unknowns)
-    is_anchored = fit.problem.is_anchored or is_jagged(fit)
+    is_anchored = fit.problem.is_anchored or is_jagged(fit.model.effects)
     return replace(fit.problem, unknowns=flat, tolerance=FINE_TOLERANCE, is_anchored=is_anchored)
-
-
-def is_jagged(fit: Fit) -> bool:
-    """Return whether the error of a fit has many minima."""
-    return effects.is_jagged(fit.model.effects)
 
 
 def differences(problem: Problem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

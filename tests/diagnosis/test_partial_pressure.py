@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.residual_curves import residual_curves
+from diagnosis.residual_curves import curves_of_force, residual_curves
 from diagnosis.score import score_fit
 from diagnosis.stage_gaps import front_of
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.holdout import hold_out
+from identification.outcome import fit_records
 from identification.smooth_fit.residuals import SmoothResiduals
 from identification.timing import experiments_of
 from identification.uncertainty import blocks_of
@@ -96,6 +97,21 @@ def test_a_position_that_is_missing_takes_nothing_from_the_fit_to_the_pressure(f
     begun = replace(fit, found=replace(fit.found, point=fit.found.point + 0.05))
     exact, found = (front_of([each], begun).model.values for each in (whole, spiked))
     assert found["gap_gain"] == pytest.approx(exact["gap_gain"], rel=1e-6)
+
+
+def test_the_force_is_told_of_signals_that_were_logged_in_turn(given: Model):
+    long = experiment_of(Record.from_arrays(name="long", **measure(PLANT, 7, with_pressure=True)))
+    is_even = np.arange(len(long.time)) % 2 == 0
+    position, pressure = np.where(is_even, long.position, np.nan), np.where(is_even, np.nan, long.pressure)
+    for each in (long, replace(long, position=position, pressure=pressure)):
+        assert {"force", "friction"} == {curve.signal for curve in curves_of_force([each], given)}
+
+
+def test_what_a_fit_was_not_to_is_not_said_to_be_determined(given: Model):
+    records = [recorded(8, with_pressure=False, name="without"), recorded(9, with_pressure=True, name="with")]
+    for given_in_order, signals in ((records, "current, position"), (records[::-1], "current, pressure, position")):
+        structure = fit_records(given_in_order, given).determined.structure
+        assert structure.signals == signals
 
 
 def test_the_force_is_told_in_a_record_with_gaps(given: Model):
