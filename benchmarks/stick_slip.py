@@ -12,7 +12,7 @@ from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import on_stairs
 from identification.experiment import experiment_of
-from identification.extension import extend
+from identification.extension import Extension, extend
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from valvemodel.model import Model
@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> None:
         kin = None
         for tried in reversed(KEYS):
             begun = time.process_time()
-            kin = extend(base, tried, kin=kin)
+            kin = extend(base, tried, Extension(kin=kin))
             spent = time.process_time() - begun
             words.append(f"{tried} {score_fit(kin, holdout).misfit ** 0.5:.2f} in {spent:.1f} s")
         print(", ".join(words), flush=True)

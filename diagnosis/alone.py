@@ -148,7 +148,11 @@ def is_explained_with_reading(
     if any(is_read_off(each) for each in best) or any(explains(each, base) for each in best):
         return False
     read = {key: values for key, values in values_alone(tried).items() if effect_of_key(key).is_read_off}
-    work = [Work(each.fit, (*each.effects, key), False, values) for each in best for key, values in read.items()]
+    work = [
+        Work(each.fit, (*each.effects, key), is_global=False, known=values)
+        for each in best
+        for key, values in read.items()
+    ]
     ends = partial(explains, base=base)
     return any(map(ends, try_all(work, holdout, pool, progress, "effects one by one", ends)))
 
@@ -196,7 +200,7 @@ def nearly(tried: Sequence[Candidate]) -> list[Work]:
     near = [each for each in best if explains(each, base, generous=True) or misfit(each) < far]
     worth = [each for each in near if misfit(each) < NEAR_IF_DEAR or not is_dear(each.effects[0])]
     keys = [each.effects[0] for each in worth if not is_laid_on_top(each)]
-    return [Work(base.fit, (key,), False, follows_all=True) for key in keys if is_quick(key)]
+    return [Work(base.fit, (key,), is_global=False, follows_all=True) for key in keys if is_quick(key)]
 
 
 def try_by_promise(
@@ -213,7 +217,7 @@ def try_by_promise(
     seen = glances(base.fit, plain, pool)
     nearest = sorted(plain, key=lambda key: (seen[key].fit.found.error, -seen[key].share))
     order = [*nearest, *(key for key in keys if key not in seen)]
-    work = [Work(base.fit, (key,), False) for key in order]
+    work = [Work(base.fit, (key,), is_global=False) for key in order]
     followed = partial(called_for, base, seen)
     return [base, *try_in_turn(work, followed, holdout, pool, progress, "effects one by one")]
 
@@ -271,7 +275,7 @@ def work_on(base: Fit, effect: Effect, tried: Sequence[Candidate], *, has_stops:
     leaves_stops = has_stops and effect.is_jagged and not effect.stops_again
     is_bent = has_stops and effect.is_chaotic and is_off_the_line(base)
     comes_on_top = effect.is_chaotic and has_read_off(min(tried, key=misfit))
-    return Work(base, (effect.key,), not (leaves_stops or comes_on_top or is_bent), kin=kin_of(effect, tried))
+    return Work(base, (effect.key,), is_global=not (leaves_stops or comes_on_top or is_bent), kin=kin_of(effect, tried))
 
 
 def is_off_the_line(base: Fit) -> bool:

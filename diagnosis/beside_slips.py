@@ -127,7 +127,9 @@ def by_the_line(
         # Nothing bends the line: what was left for on top of that is all there is.
         was_left = has_stops and not line.is_in_reach
         left = [law for law in laws if was_left and effect_of_key(law.effects[0]).is_chaotic]
-        anew = [Work(base.fit, law.effects, True, kin=laws[0].fit if law is not laws[0] else None) for law in left]
+        anew = [
+            Work(base.fit, law.effects, is_global=True, kin=laws[0].fit if law is not laws[0] else None) for law in left
+        ]
         return try_all(anew, holdout, pool, progress, WHAT)
     worth = [
         each
@@ -172,7 +174,7 @@ def beside_coarse_steps(
     readings = [each.fit for each in alone if is_read_off(each) and any(map(coarse_step, each.fit.problem.experiments))]
     in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
     laws = [key for key in alone_of(alone) if effect_of_key(key).breakaway]
-    work = [Work(fit, (*fit.model.effects, law), True) for fit in in_stairs for law in laws]
+    work = [Work(fit, (*fit.model.effects, law), is_global=True) for fit in in_stairs for law in laws]
     tried = try_all(work, holdout, pool, progress, WHAT)
     return with_better(tried, sharpen_all(blunt(best_of(tried, 2), alone[0]), holdout, pool, progress))
 
@@ -281,7 +283,7 @@ def on_the_nearest(
     smooth = [each for each in best_of(alone, 1) if is_quick(each.effects[0]) and not is_laid_on_top(each)]
     nearest = sorted(smooth, key=lambda each: each.fit.found.error)[:BESIDE]
     ends = partial(explains, base=alone[0])
-    work = [Work(each.fit, (*each.effects, law), True) for law in closed for each in nearest]
+    work = [Work(each.fit, (*each.effects, law), is_global=True) for law in closed for each in nearest]
     tried = try_all(work, holdout, pool, progress, WHAT, ends)
     if any(map(ends, tried)):
         return tried

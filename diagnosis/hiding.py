@@ -79,7 +79,7 @@ def with_hidden(
 def beside_at(best: Candidate, key: str, share: float = 1.0) -> Work:
     """Return a cause together with an effect as work, from a share of the effect's strongest start alone."""
     start = {name: share * value for name, value in strongest_start(effect_of_key(key)).items()}
-    return Work(best.fit, (*best.effects, key), False, start, is_known=True)
+    return Work(best.fit, (*best.effects, key), is_global=False, known=start, is_known=True)
 
 
 def alike_beside(chosen: int, tried: Sequence[Candidate], judgement: Judgement) -> list[Candidate]:

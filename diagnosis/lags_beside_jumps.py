@@ -39,7 +39,7 @@ def lags_beside_jumps(
     lags = [key for key in values if any(each.is_lag for each in effect_of_key(key).fitted)]
     for has_laws in (False, True):
         keys = [key for key in lags if bool(effect_of_key(key).laws) == has_laws]
-        work = [Work(law.fit, (*law.effects, key), False, values[key]) for key in keys]
+        work = [Work(law.fit, (*law.effects, key), is_global=False, known=values[key]) for key in keys]
         tried += try_all(work, holdout, pool, progress, WHAT)
         tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
         if any(is_near_noise(each, base) or misfit(each) < MOST_TAKEN_IN * misfit(law) for each in best_of(tried, 2)):

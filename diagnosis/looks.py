@@ -71,7 +71,7 @@ def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None]
     pool : Executor or None
     """
     looks = Looks([], pool)
-    begun = [Look(Work(fit, (law,), True), line, slips or []) for law, slips in laws.items()]
+    begun = [Look(Work(fit, (law,), is_global=True), line, slips or []) for law, slips in laws.items()]
     looks.add([each for each in begun if each.slips])
     looks.search([each for each in begun if not each.slips])
     looks.loosen()
@@ -201,7 +201,7 @@ class Looks:
 
 def begun_look(beside: BentLine, law: str) -> Look:
     """Return a look at the slips that a law makes beside an effect, with nothing known yet."""
-    return Look(Work(beside.fit, (beside.effect.key, law), True), beside.line, [])
+    return Look(Work(beside.fit, (beside.effect.key, law), is_global=True), beside.line, [])
 
 
 def with_best(look: Look, slips: Sequence[SlipSearch]) -> Look:

@@ -144,9 +144,9 @@ def extensions(
             if is_laid_on_top(leader):
                 # On top of the few unknowns of the other, not of the many of a series, or of none.
                 (own,) = leader.effects
-                work.append(Work(fits[key], (key, own), False, single[own], is_known=True))
+                work.append(Work(fits[key], (key, own), is_global=False, known=single[own], is_known=True))
             else:
-                work.append(Work(leader.fit, effects, is_global, single[key] if key in led else None))
+                work.append(Work(leader.fit, effects, is_global=is_global, known=single[key] if key in led else None))
     return worthwhile(work, tried)
 
 
@@ -209,7 +209,7 @@ def left_alone(tried: Sequence[Candidate]) -> list[Work]:
         for key in pair.effects:
             if misfit(pair) < NO_GAIN * misfit(alone[key]):
                 known = dict(pair.fit.model.effects[key])
-                work.setdefault(key, Work(tried[0].fit, (key,), False, known, kin=pair.fit))
+                work.setdefault(key, Work(tried[0].fit, (key,), is_global=False, known=known, kin=pair.fit))
     return list(work.values())
 
 
@@ -223,7 +223,7 @@ def reversed_pairs(tried: Sequence[Candidate], single: dict[str, dict[str, float
     pairs = [each.effects for each in best if misfit(each) < far]
     known = orders_of(tried)
     work = [
-        Work(alone[second].fit, (second, first), False, single[first])
+        Work(alone[second].fit, (second, first), is_global=False, known=single[first])
         for first, second in pairs
         if (second, first) not in known and not effect_of_key(first).is_jagged and not is_read_off(alone[second])
     ]
@@ -242,7 +242,7 @@ def on_what_explains(tried: Sequence[Candidate]) -> list[Work]:
     known = {frozenset(each.effects) for each in tried}
     values = values_alone(tried)
     keys = [key for key in values if may_hide(key) and is_quick(key) and frozenset((own, key)) not in known]
-    return [Work(best.fit, (own, key), False, values[key]) for key in keys]
+    return [Work(best.fit, (own, key), is_global=False, known=values[key]) for key in keys]
 
 
 def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
@@ -268,7 +268,7 @@ def on_what_stays(tried: Sequence[Candidate]) -> list[Work]:
         is_behind = before is None or (before.effects[0] != kept and misfit(before) > SLIGHTLY * misfit(best))
         is_called = are_aliases(left, key) or (may_hide(key) and misfit(best) >= AT_NOISE)
         if stays and is_behind and is_called:
-            work.append(Work(alone[kept].fit, (kept, key), False, values[key]))
+            work.append(Work(alone[kept].fit, (kept, key), is_global=False, known=values[key]))
     return worthwhile(unless_slow_in_vain(work, best, tried), tried)
 
 
@@ -289,7 +289,7 @@ def from_the_best(tried: Sequence[Candidate]) -> list[Work]:
         (key,) = other.effects
         is_led_on = not (effect_of_key(kept).is_chaotic or alone[kept].has_series)
         if are_aliases(left, key) and behind(kept, key) and is_led_on:
-            work.append(Work(alone[kept].fit, (kept, key), False, values[key], kin=best.fit))
+            work.append(Work(alone[kept].fit, (kept, key), is_global=False, known=values[key], kin=best.fit))
     return [each for each in work if not is_slow(each)]
 
 
@@ -328,7 +328,7 @@ def near_misses(tried: Sequence[Candidate]) -> list[Work]:
     known = orders_of(tried)
     orders = [order for each in near for order in (each.effects[::-1], each.effects) if order not in known]
     work = [
-        Work(alone[first].fit, (first, second), False, values[second])
+        Work(alone[first].fit, (first, second), is_global=False, known=values[second])
         for first, second in orders
         if is_quick(second) and not effect_of_key(first).breakaway and not is_laid_on_top(alone[first])
     ]
@@ -356,7 +356,7 @@ def from_numbers_of_the_best(tried: Sequence[Candidate]) -> list[Work]:
         numbers, own = (dict(cause.fit.model.effects[key]) for cause in (best, each))
         are_alike = all(math.isclose(value, own[name], rel_tol=APART) for name, value in numbers.items())
         if not are_alike and is_quick(key) and other in alone and not is_laid_on_top(alone[other]):
-            work.append(Work(alone[other].fit, (other, key), False, numbers, is_known=True))
+            work.append(Work(alone[other].fit, (other, key), is_global=False, known=numbers, is_known=True))
     work.sort(key=lambda each: misfit(alone[each.effects[0]]))
     return worthwhile([each for each in work if not is_slow(each)][:NEAR_MISSES], tried)
 
@@ -419,7 +419,7 @@ def nearly_together(tried: Sequence[Candidate]) -> list[Work]:
     near = [each.effects for each in pairs[:NEARLY] if misfit(each) < FAR_BEHIND * misfit(pairs[0])]
     orders = [order for first, second in near for order in ((first, second), (second, first))]
     return [
-        Work(alone[first].fit, (first, second), False, values[second], follows_all=not is_dear(second))
+        Work(alone[first].fit, (first, second), is_global=False, known=values[second], follows_all=not is_dear(second))
         for first, second in orders
         if all(key in alone and is_quick(key) and not is_laid_on_top(alone[key]) for key in (first, second))
     ]
@@ -435,7 +435,7 @@ def jumps_anew(tried: Sequence[Candidate]) -> list[Work]:
         return []
     alone, pairs = alone_of(tried), [each for each in best_of(tried, 2) if is_blunt(each)][:LEADERS]
     return [
-        Work(alone[other].fit, (other, jumping), True, is_thorough=True)
+        Work(alone[other].fit, (other, jumping), is_global=True, is_thorough=True)
         for pair in pairs
         for other, jumping in jumps_that_gained(pair, alone)
     ]
@@ -456,7 +456,7 @@ def other_laws(tried: Sequence[Candidate]) -> list[Work]:
 def laws_in_place(pair: Candidate, alone: Mapping[str, Candidate]) -> list[Work]:
     """Return two effects that gain, with the law by which the stem jumps exchanged for the others, from there."""
     return [
-        Work(alone[other].fit, (other, law), True, kin=pair.fit)
+        Work(alone[other].fit, (other, law), is_global=True, kin=pair.fit)
         for other, _ in jumps_that_gained(pair, alone)
         if alone[other].has_series == pair.has_series
         for law in alone
@@ -488,7 +488,7 @@ def in_other_forms(tried: Sequence[Candidate]) -> list[Work]:
         return []
     values = {key: best.fit.model.effects[key] for key in best.effects if is_quick(key)}
     forms = [(key, form) for key in values for form in other_forms(effect_of_key(key), values[key])]
-    return [Work(tried[0].fit, (key,), False, form, is_known=True) for key, form in forms]
+    return [Work(tried[0].fit, (key,), is_global=False, known=form, is_known=True) for key, form in forms]
 
 
 def with_jumps(alone: Sequence[Candidate], tried: Sequence[Candidate]) -> list[Work]:
@@ -496,7 +496,7 @@ def with_jumps(alone: Sequence[Candidate], tried: Sequence[Candidate]) -> list[W
     if not alone:
         return []
     jumping = [key for key in best_of(tried, 2)[0].effects if effect_of_key(key).breakaway]
-    return [Work(each.fit, (*each.effects, key), True, is_thorough=True) for each in alone for key in jumping]
+    return [Work(each.fit, (*each.effects, key), is_global=True, is_thorough=True) for each in alone for key in jumping]
 
 
 def may_hide(key: str) -> bool:
@@ -522,7 +522,7 @@ def exchanged(tried: Sequence[Candidate]) -> list[Work]:
             is_series = best.has_series and begins_at_periods(effect_of_key(left))
             is_alike = are_aliases(left, key) or (is_series and goes_with_time(key, left))
             if is_alike and lies_behind(known.get(cause, math.inf), misfit(best)):
-                work.setdefault(cause, Work(other.fit, (key, kept), False, values, is_known=True))
+                work.setdefault(cause, Work(other.fit, (key, kept), is_global=False, known=values, is_known=True))
     return worthwhile(list(work.values()), tried)
 
 

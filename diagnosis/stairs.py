@@ -12,7 +12,7 @@ from diagnosis.parts import parted
 from diagnosis.standing import best_of
 from diagnosis.trying import Candidate, Progress
 from identification.experiment import Experiment
-from identification.extension import extend, slips_by
+from identification.extension import Extension, extend, slips_by
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.staircase import stops_on_the_way
@@ -109,7 +109,8 @@ def makes_stairs(base: Fit, library: Sequence[Effect], pool: Executor | None, pr
     readings = [extend(base, each.key) for each in EFFECTS if each.is_read_off]
     least = min((base, *readings), key=lambda fit: fit.found.error)
     alone = any(
-        bool(slips_by(base, each, least)) or extend(base, each.key, slips=[]).found.error < STEPPED * least.found.error
+        bool(slips_by(base, each, least))
+        or extend(base, each.key, Extension(slips=[])).found.error < STEPPED * least.found.error
         for each in makers
     )
     has_steps = least.found.error < STEPPED * base.found.error

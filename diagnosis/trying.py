@@ -6,14 +6,14 @@ import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import repeat
 
 import numpy as np
 
 from diagnosis.score import Score, score_fit
-from identification.extension import Glance, continued, extend, extend_from, glanced, slips_asked
+from identification.extension import Extension, Glance, continued, extend, extend_from, glanced, slips_asked
 from identification.fit import Fit
 from identification.holdout import Holdout
 from identification.reduction import reduced
@@ -77,8 +77,8 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Work:
-    """One extension to be tried.
+class Work(Extension):
+    """One extension to be tried; how is said as for any `Extension`.
 
     Attributes
     ----------
@@ -86,40 +86,16 @@ class Work:
         Of the cause without its last effect.
     effects : tuple of str
         The cause.
-    is_global : bool
-        Whether the last effect is searched for globally, which takes seconds where the error has many minima.
-    known : dict or None
-        Values of it from another fit, one more start. [SI]
     is_known : bool
-        Whether those values are the only start.
-    kin : Fit or None
-        The fit extended by a kindred effect.
-    worth : float
-        Error above which its fit is not followed to its end.
-    promise : float
-        Share of the fit's error that the starts must promise to explain to be followed.
-    slips : list of SlipSearch or None
-        What is known of the slips of stairs with it.
-    follows_all : bool
-        Whether every start is followed by itself.
-    is_thorough : bool
-        Whether a global search takes its time, whatever a run takes.
+        Whether the values that are known are the only start.
     begun : Fit or None
         The fit with the effect, as far as a glance at it went; it is followed from there alone.
     """
 
     fit: Fit
     effects: tuple[str, ...]
-    is_global: bool
-    known: dict[str, float] | None = None
-    kin: Fit | None = None
-    is_known: bool = False
-    worth: float = math.inf
-    promise: float = 0.0
-    slips: list[SlipSearch] | None = None
-    follows_all: bool = False
-    is_thorough: bool = False
-    begun: Fit | None = None
+    is_known: bool = field(default=False, kw_only=True)
+    begun: Fit | None = field(default=None, kw_only=True)
 
 
 def try_effect(work: Work, holdout: Holdout) -> Candidate:
@@ -130,20 +106,8 @@ def try_effect(work: Work, holdout: Holdout) -> Candidate:
     elif work.is_known and work.known is not None:
         extended = extend_from(work.fit, key, work.known, worth=work.worth)
     else:
-        if slips is None:
-            slips = slips_asked(work.fit, effect_of_key(key), work.kin, is_global=work.is_global)
-        extended = extend(
-            work.fit,
-            key,
-            work.known,
-            kin=work.kin,
-            is_global=work.is_global,
-            worth=work.worth,
-            promise=work.promise,
-            slips=slips,
-            follows_all=work.follows_all,
-            is_thorough=work.is_thorough,
-        )
+        slips = slips_asked(work.fit, effect_of_key(key), work)
+        extended = extend(work.fit, key, replace(work, slips=slips))
     shown = slips if slips and len(work.effects) == 1 else None
     return replace(scored(work.effects, extended, holdout), orders=frozenset({work.effects}), slips=shown)
 
@@ -183,7 +147,7 @@ def try_anew(candidate: Candidate, key: str, holdout: Holdout) -> Candidate:
     """
     known = dict(candidate.fit.model.effects[key])
     others = tuple(each for each in candidate.effects if each != key)
-    return try_effect(Work(reduced(candidate.fit, key), (*others, key), False, known), holdout)
+    return try_effect(Work(reduced(candidate.fit, key), (*others, key), is_global=False, known=known), holdout)
 
 
 def freedom_of(fit: Fit) -> int:

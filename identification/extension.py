@@ -114,6 +114,45 @@ EXPLAINED, NEAR_KIN = 0.8, 1.5
 error of another law of stick-slip: on a line that is held the right law may leave more than a wrong one that is not."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Extension:
+    """How a fit is extended by one more effect.
+
+    Attributes
+    ----------
+    known : dict or None
+        Values of the effect from another fit, one more start. [SI]
+    kin : Fit or None
+        The fit extended by a kindred effect, or by this one beside another: where that explains much, its base valve is
+        the start, in place of a global search.
+    is_global : bool
+        Whether an effect whose error has many minima is searched for globally, which takes seconds.
+    worth : float
+        Error above which a fit is not followed to its end.
+    promise : float
+        Share of the fit's error that starts must promise to explain to be followed.
+    slips : list of SlipSearch or None
+        What `slips_asked` found; None where it was not asked.
+    follows_all : bool
+        Whether every start is followed by itself, not the most promising of each form alone.
+    is_thorough : bool
+        Whether a global search takes its time beside other effects as well.
+    """
+
+    known: dict[str, float] | None = None
+    kin: Fit | None = None
+    is_global: bool = True
+    worth: float = math.inf
+    promise: float = 0.0
+    slips: list[SlipSearch] | None = None
+    follows_all: bool = False
+    is_thorough: bool = False
+
+
+AS_USUAL = Extension()
+"""An extension of which nothing else is said."""
+
+
 @dataclass(frozen=True)
 class Glance:
     """What a glance at an effect on top of a fit shows.
@@ -137,19 +176,7 @@ class Glance:
 
 
 @threadpool_limits.wrap(limits=1)
-def extend(
-    fit: Fit,
-    key: str,
-    known: dict[str, float] | None = None,
-    *,
-    kin: Fit | None = None,
-    is_global: bool = True,
-    worth: float = math.inf,
-    promise: float = 0.0,
-    slips: list[SlipSearch] | None = None,
-    follows_all: bool = False,
-    is_thorough: bool = False,
-) -> Fit:
+def extend(fit: Fit, key: str, how: Extension = AS_USUAL) -> Fit:
     """Add an effect to a fit and fit all unknowns anew.
 
     Parameters
@@ -158,23 +185,7 @@ def extend(
         Of the model without the effect; its unknowns stay free.
     key : str
         The effect.
-    known : dict or None
-        Values of the effect from another fit, one more start. [SI]
-    kin : Fit or None
-        The fit extended by a kindred effect, or by this one beside another: where that explains much, its base valve is
-        the start, in place of a global search.
-    is_global : bool
-        Whether an effect whose error has many minima is searched for globally, which takes seconds.
-    worth : float
-        Error above which a fit is not followed to its end.
-    promise : float
-        Share of the fit's error that starts must promise to explain to be followed.
-    slips : list of SlipSearch or None
-        What `slips_asked` found; None where it was not asked.
-    follows_all : bool
-        Whether every start is followed by itself, not the most promising of each form alone.
-    is_thorough : bool
-        Whether a global search takes its time beside other effects as well.
+    how : Extension
 
     Returns
     -------
@@ -183,62 +194,42 @@ def extend(
         nothing.
     """
     effect = effect_of_key(key)
-    begun = slips if slips is not None else slips_asked(fit, effect, kin, is_global=is_global)
+    begun = slips_asked(fit, effect, how)
     if not begun:
-        return extended(
-            fit,
-            effect,
-            known,
-            kin,
-            is_global=is_global,
-            worth=worth,
-            promise=promise,
-            follows_all=follows_all,
-            is_thorough=is_thorough,
-        )
+        return extended(fit, effect, how)
     stepped = finished(*search_near(begun))
-    if (effect.is_chaotic and kin is None) or stepped.found.error < LAWFUL * stepped.problem.noise_error:
+    if (effect.is_chaotic and how.kin is None) or stepped.found.error < LAWFUL * stepped.problem.noise_error:
         return stepped
-    # Breakaways of another law lie on no line.
-    return min(stepped, extended(fit, effect, known, kin, is_thorough=is_thorough), key=lambda each: each.found.error)
+    # Breakaways of another law lie on no line: it is searched for whatever it promises, and to its end.
+    anew = Extension(known=how.known, kin=how.kin, is_thorough=how.is_thorough)
+    return min(stepped, extended(fit, effect, anew), key=lambda each: each.found.error)
 
 
-def extended(
-    fit: Fit,
-    effect: Effect,
-    known: dict[str, float] | None,
-    kin: Fit | None,
-    *,
-    is_global: bool = True,
-    worth: float = math.inf,
-    promise: float = 0.0,
-    follows_all: bool = False,
-    is_thorough: bool = False,
-) -> Fit:
+def extended(fit: Fit, effect: Effect, how: Extension) -> Fit:
     """Add an effect to a fit from screened starts: locally, globally where it is jagged, or beside its kin."""
     if fit.problem.is_in_steps:
-        return beside_steps(fit, effect, known, is_global=is_global, promise=promise, follows_all=follows_all)
+        return beside_steps(fit, effect, how)
     worth_following = WORTH_FOLLOWING_BESIDE if fit.model.effects else WORTH_FOLLOWING
-    if kin is not None and kin.found.error < worth_following * fit.found.error:
-        return finished(*beside(fit, effect, kin, known))
-    trials = screened(fit, effect, known)
+    if how.kin is not None and how.kin.found.error < worth_following * fit.found.error:
+        return finished(*beside(fit, effect, how.kin, how.known))
+    trials = screened(fit, effect, how.known)
     if is_compensated(fit, effect):
         trials = sorted([*trials, *compensated_trials(fit, effect)], key=lambda trial: -trial.gain)
-    if trials[0].gain < max(promise, WORTH_LONG if effect.takes_long else 0.0) * 2.0 * fit.found.error:
+    if trials[0].gain < max(how.promise, WORTH_LONG if effect.takes_long else 0.0) * 2.0 * fit.found.error:
         return finished(*at_neutral(fit, effect))
-    is_searched = effect.is_jagged and is_global and trials[0].gain > 0.0
+    is_searched = effect.is_jagged and how.is_global and trials[0].gain > 0.0
     if is_searched and effect.stops_again:
         groups = alike(effect, trials)[: 1 if effect.is_chaotic else None]
-        searched = [search_jagged(fit, effect, group, is_thorough=is_thorough) for group in groups]
+        searched = [search_jagged(fit, effect, group, is_thorough=how.is_thorough) for group in groups]
     else:
-        apart = [[each] for each in trials] if follows_all else alike(effect, trials)
+        apart = [[each] for each in trials] if how.follows_all else alike(effect, trials)
         groups = [trials] if effect.is_jagged else promising(fit, apart)
         if is_searched:
             groups.append([placed(fit, effect, trials)])
-        hopeless = hopeless_from(fit, worth)
+        hopeless = hopeless_from(fit, how.worth)
         searched = [followed(fit, effect, group, hopeless=hopeless) for group in groups]
     problem, best = min(searched, key=lambda pair: pair[1].error)
-    if best.error > worth and not effect.is_chaotic:
+    if best.error > how.worth and not effect.is_chaotic:
         return finished(*((problem, best) if best.error < fit.found.error else at_neutral(fit, effect)))
     if best.error > (1.0 - WORTH_POLISHING) * fit.found.error and not effect.is_chaotic:
         return finished(*near_neutral(fit, effect, trials))
@@ -287,9 +278,7 @@ def continued(fit: Fit) -> Fit:
     return finished(*released_at_end(fit.problem, fit.found.point))
 
 
-def beside_steps(
-    fit: Fit, effect: Effect, known: dict[str, float] | None, *, is_global: bool, promise: float, follows_all: bool
-) -> Fit:
+def beside_steps(fit: Fit, effect: Effect, how: Extension) -> Fit:
     """Add an effect to a fit to readings in coarse steps, as if they were but noisy; only then within the steps.
 
     What lies within a step says nothing of the way: a start that is a little off, or a fit that leaves few readings
@@ -298,7 +287,8 @@ def beside_steps(
     """
     problem, point = replace(fit.problem, within=0.0), fit.found.point
     noisy = finished(problem, Found(point, float(errors(problem, point[None, :])[0])))
-    begun = extended(noisy, effect, known, None, is_global=is_global, promise=promise, follows_all=follows_all)
+    asked = Extension(known=how.known, is_global=how.is_global, promise=how.promise, follows_all=how.follows_all)
+    begun = extended(noisy, effect, asked)
     in_steps, start = replace(begun.problem, within=fit.problem.within), begun.found.point
     most = max(fit.found.error, IN_REACH * fit.problem.noise_error)
     if begun.found.error >= noisy.found.error or float(errors(in_steps, start[None, :])[0]) > most:
@@ -353,9 +343,14 @@ def extend_from(fit: Fit, key: str, values: dict[str, float], *, worth: float = 
     return finished(*((problem, best) if best.error > worth else released_at_end(problem, best.point)))
 
 
-def slips_asked(fit: Fit, effect: Effect, kin: Fit | None, *, is_global: bool) -> list[SlipSearch]:
-    """Return what an effect makes of the slips of stairs, where a search for it asks that: a global one, for a law."""
-    return slips_by(fit, effect, kin) if effect.breakaway and is_global else []
+def slips_asked(fit: Fit, effect: Effect, how: Extension) -> list[SlipSearch]:
+    """Return what an effect makes of the slips of stairs, where a search for it asks that: a global one, for a law.
+
+    What is known of them already is not asked once more.
+    """
+    if how.slips is not None:
+        return how.slips
+    return slips_by(fit, effect, how.kin) if effect.breakaway and how.is_global else []
 
 
 @threadpool_limits.wrap(limits=1)

@@ -22,7 +22,7 @@ from identification.bent_at_will import bent_at_will
 from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
-from identification.extension import extend, slips_beside, slips_by
+from identification.extension import Extension, extend, slips_beside, slips_by
 from identification.fit import Fit, fit_base
 from identification.hints import coarse_step
 from identification.holdout import hold_out
@@ -87,7 +87,7 @@ def test_slips_of_several_steps_lay_a_line_through_a_coarse_reading(coarse):
 
 def test_what_makes_a_stem_jump_is_found_beside_a_coarse_reading(coarse):
     _, holdout, read = coarse
-    found = extend(read, "stribeck", is_global=True)
+    found = extend(read, "stribeck")
     assert found.found.error < 0.1 * read.found.error
     alone = [Candidate((), read, score_fit(read, holdout))]
     alone += [replace(alone[0], effects=(key,)) for key in ("quantisation", "static_friction")]
@@ -254,7 +254,7 @@ def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(given, see
     assert shaped.line.error == line.error
     beside, alone = slips_by(shaped.fit, law, line=shaped.line), slips_by(base, law, line=line)
     assert beside[0].found.error < 0.5 * alone[0].found.error
-    found = extend(shaped.fit, "static_friction", slips=beside)
+    found = extend(shaped.fit, "static_friction", Extension(slips=beside))
     assert score_fit(found, holdout).misfit < 1.3
     excess, direction = (plant.effects[0].parameters[name] for name in ("excess", "direction"))
     if plant.effects[0].formulation == "one_sided":
@@ -531,7 +531,7 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
 def looked(error: float, *effects: str):
     """Return a pair whose law comes so near at the slips, or whose slips tell nothing."""
     found = [SimpleNamespace(found=SimpleNamespace(error=error))] if error else []
-    return slips.Look(Work("fit", effects, True), "line", found)
+    return slips.Look(Work("fit", effects, is_global=True), "line", found)
 
 
 def test_pairs_are_searched_for_whole_that_come_near_the_best_at_the_slips():

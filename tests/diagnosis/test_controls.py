@@ -23,7 +23,7 @@ def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):
 def test_no_sham_wins_beside_the_effect_that_is_there(quiet, refitted):
     creep = 4e-3 * quiet.time / quiet.time[-1]
     base, holdout = refitted(quiet, creep)
-    drift = try_effect(Work(base.fit, ("sensor_drift",), True), holdout)
+    drift = try_effect(Work(base.fit, ("sensor_drift",), is_global=True), holdout)
     assert drift.score.misfit < 0.5 * base.score.misfit
     assert control_of([base, drift], shams_on(base, holdout), "free").probability < 1e-3
 

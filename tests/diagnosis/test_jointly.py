@@ -74,7 +74,7 @@ def test_both_effects_of_a_blind_valve_are_found_together(given, keys):
     fit = fit_base(given, holdout.experiments, holdout.fitted)
     base = Candidate((), fit, score_fit(fit, holdout))
     others = ("coil_lag", "spring_hardening", "gap_drift", "area_variation", "pressure_dependent_friction")
-    alone = [try_effect(Work(fit, (key,), False), holdout) for key in (*keys, *others)]
+    alone = [try_effect(Work(fit, (key,), is_global=False), holdout) for key in (*keys, *others)]
     found = min(try_jointly([base, *alone], holdout, None, QUIET), key=lambda each: each.score.misfit)
     assert set(found.effects) == set(keys)
     assert found.score.misfit < 1.3

@@ -67,7 +67,7 @@ def bent(*keys: str) -> list[SimpleNamespace]:
 def alone_at(error: float, law: str = "static_friction", *, is_straight: bool = False) -> list[looks.Look]:
     """Return what a law makes of the slips alone, on a line that needs a bend or none."""
     line = SimpleNamespace(is_explained=is_straight)
-    return [looks.Look(looks.Work(None, (law,), True), line, [Slip((law,), error)])]
+    return [looks.Look(looks.Work(None, (law,), is_global=True), line, [Slip((law,), error)])]
 
 
 def errors_of(found) -> dict[tuple[str, ...], float]:

@@ -57,7 +57,7 @@ def creeping(quiet, refitted) -> Answer:
     known = {("sensor_lag",): lag, ("transport_delay",): delay | {"line_dispersion": 0.0}}
     keys = list(known)
     # So little shows of either that a search from afar may leave it at none.
-    work = [Work(base.fit, effects, False, values, is_known=True) for effects, values in known.items()]
+    work = [Work(base.fit, effects, is_global=False, known=values, is_known=True) for effects, values in known.items()]
     tried = [base, *(try_effect(each, holdout) for each in work)]
     return Answer(keys[0], keys[1:], tried, list(holdout.experiments))
 

@@ -255,7 +255,8 @@ def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch
 def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_record(monkeypatch, left, expected):
     tried = [candidate(40.0), candidate(25.0, "supply_droop")]
     jobs = [
-        Work(tried[1].fit, ("supply_droop", key), key == "static_friction") for key in ("static_friction", "coil_lag")
+        Work(tried[1].fit, ("supply_droop", key), is_global=key == "static_friction")
+        for key in ("static_friction", "coil_lag")
     ]
     monkeypatch.setattr(selection, "extensions", lambda *_: jobs)
     monkeypatch.setattr(selection, "exchanged", lambda _: [])
@@ -798,7 +799,7 @@ def test_pair_that_was_tried_is_tried_again_where_it_lies_far_behind(behind, cou
 
 def test_errors_of_re_anchored_runs_say_nothing_of_free_ones():
     tried = [candidate(20.0), candidate(9.0, "static_friction"), candidate(0.9, "stribeck")]
-    work = [Work(each.fit, (*each.effects, "coil_lag"), False) for each in tried[1:]]
+    work = [Work(each.fit, (*each.effects, "coil_lag"), is_global=False) for each in tried[1:]]
     assert [each.worth for each in worthwhile(work, tried)] == [NO_GAIN * 900.0, NO_GAIN * 90.0]
 
 
@@ -808,7 +809,10 @@ def test_where_nothing_was_tried_alone_nothing_is_tried_together():
 
 def test_a_series_that_comes_nearest_does_not_hide_a_cause_that_explains():
     tried = [candidate(40.0), waves(1.07, "load_force"), candidate(1.1, "coil_lag")]
-    work = [Work(tried[2].fit, ("coil_lag", key), key == "static_friction") for key in ("static_friction", "air_leak")]
+    work = [
+        Work(tried[2].fit, ("coil_lag", key), is_global=key == "static_friction")
+        for key in ("static_friction", "air_leak")
+    ]
     assert selection.still_called_for(work, tried) == work[1:]
     assert selection.still_called_for(work, tried[:2]) == work
 
@@ -875,7 +879,7 @@ def test_slow_effects_must_explain_much_to_be_built_upon(misfit, key, expected):
 def test_a_fit_is_followed_to_its_end_where_it_gains_and_comes_near_the_best(pairs, expected):
     tried = [candidate(20.0), candidate(9.0, "coil_lag")]
     tried += [candidate(misfit, "coil_lag", "end_stop") for misfit in pairs]
-    (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), False)], tried)
+    (work,) = worthwhile([Work(tried[1].fit, ("coil_lag", "load_force"), is_global=False)], tried)
     assert work.worth == pytest.approx(expected)
 
 
@@ -986,7 +990,7 @@ def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it
 def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkeypatch):
     errors = {"sensor_lag": 104.0, "spring_hardening": 106.0, "chamber_filling": 104.0}
     base, seen = candidate(40.0), {key: glance(None, error, 0.9) for key, error in errors.items()}
-    work = {key: singles.called_for(base, seen, Work(base.fit, (key,), False), []) for key in seen}
+    work = {key: singles.called_for(base, seen, Work(base.fit, (key,), is_global=False), []) for key in seen}
     assert (work["sensor_lag"].begun, work["sensor_lag"].worth) == (seen["sensor_lag"].fit, math.inf)
     # Of what has several forms another may come nearer.
     assert effect_of_key("sensor_lag").has_one_form
@@ -999,7 +1003,7 @@ def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, wo
     begun, followed = candidate(1.0, "coil_lag").fit, candidate(0.9, "coil_lag").fit
     monkeypatch.setattr(trying, "continued", lambda fit: followed if fit is begun else None)
     monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: Candidate(effects, fit, None))
-    work = Work(candidate(40.0).fit, ("coil_lag",), False, begun=begun, worth=worth)
+    work = Work(candidate(40.0).fit, ("coil_lag",), is_global=False, begun=begun, worth=worth)
     found = trying.try_effect(work, None)
     assert found.fit is (followed if is_followed else begun)
     assert found.orders == {("coil_lag",)}
@@ -1008,14 +1012,14 @@ def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, wo
 def test_beside_a_base_that_leaves_little_an_effect_must_promise_what_can_be_told():
     base = candidate(1.08)
     seen = {"coil_lag": glance(base.fit, 104.0)}
-    work = singles.called_for(base, seen, Work(base.fit, ("coil_lag",), False), [])
+    work = singles.called_for(base, seen, Work(base.fit, ("coil_lag",), is_global=False), [])
     assert (work.promise, work.worth, work.begun) == (singles.PROMISE_AT_NOISE, math.inf, None)
 
 
 @pytest.mark.parametrize("is_another", [True, False])
 def test_aliases_of_two_effects_that_lead_only_after_a_look_back_are_tried_too(monkeypatch, is_another):
     tried = [candidate(40.0), candidate(20.0, "supply_droop"), candidate(1.1, "supply_droop", "linkage_nonlinearity")]
-    asked = Work(tried[1].fit, ("spring_hardening", "supply_droop"), False)
+    asked = Work(tried[1].fit, ("spring_hardening", "supply_droop"), is_global=False)
     monkeypatch.setattr(selection, "exchanged", lambda _: [asked])
     monkeypatch.setattr(selection, "try_all", lambda work, *_: [candidate(1.05, *each.effects) for each in work])
     led = frozenset({"supply_droop", "gap_drift" if is_another else "linkage_nonlinearity"})
@@ -1150,10 +1154,10 @@ def test_where_no_stops_are_seen_a_law_whose_slips_hang_by_a_hair_is_tried_if_an
 @pytest.mark.parametrize(("effects", "found", "kept"), [(1, ["slip"], ["slip"]), (1, [], None), (2, ["slip"], None)])
 def test_what_a_law_alone_makes_of_the_slips_stays_with_it(monkeypatch, effects, found, kept):
     asked = []
-    work = Work(SimpleNamespace(), ("coil_lag", "static_friction")[-effects:], True)
+    work = Work(SimpleNamespace(), ("coil_lag", "static_friction")[-effects:], is_global=True)
     made = candidate(9.0, *work.effects)
-    monkeypatch.setattr(trying, "slips_asked", lambda fit, effect, kin, is_global: found)
-    monkeypatch.setattr(trying, "extend", lambda *_, slips, **__: asked.append(slips) or made.fit)
+    monkeypatch.setattr(trying, "slips_asked", lambda fit, effect, how: found)
+    monkeypatch.setattr(trying, "extend", lambda fit, key, how: asked.append(how.slips) or made.fit)
     monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: made)
     tried = trying.try_effect(work, None)
     assert asked == [found]

@@ -12,7 +12,7 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH, makes_stairs
 from identification.breakaway import Breakaways, breakaways_of, line_through
 from identification.experiment import experiment_of
-from identification.extension import extend, forms_of, slips_by
+from identification.extension import Extension, extend, forms_of, slips_by
 from identification.fit import fit_base
 from identification.holdout import hold_out
 from identification.rests import Rest, put_on_rests, rests_of
@@ -132,7 +132,7 @@ def test_a_law_is_searched_for_from_the_slips_though_another_one_explains_them(g
     plant, holdout, base = plant_and_base(given, 2083107776, "stribeck", profile=1718918465)
     kin = extend(base, "static_friction")
     assert kin.found.error < 1.05 * kin.problem.noise_error
-    found = extend(base, "stribeck", kin=kin)
+    found = extend(base, "stribeck", Extension(kin=kin))
     assert found.found.error < 1.02 * found.problem.noise_error
     assert score_fit(found, holdout).misfit < 0.9 * score_fit(kin, holdout).misfit
     for name in ("viscous_friction", "stem_mass"):

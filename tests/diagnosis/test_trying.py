@@ -28,10 +28,14 @@ def base_of(given, seed: int, number: int, *keys: str) -> tuple[Fit, Holdout]:
 def test_a_form_that_is_wrong_alone_is_left_beside_the_other_effect(given):
     # Two lags in series, which look like one as long as the load is left out.
     base, holdout = base_of(given, 2036, 48, "load_force", "sensor_lag")
-    load = try_effect(Work(base, ("load_force",), False), holdout)
-    lag = try_effect(Work(base, ("sensor_lag",), False), holdout)
+    load = try_effect(Work(base, ("load_force",), is_global=False), holdout)
+    lag = try_effect(Work(base, ("sensor_lag",), is_global=False), holdout)
     on_lag = Work(
-        lag.fit, ("sensor_lag", "load_force"), False, dict(load.fit.model.effects["load_force"]), is_known=True
+        lag.fit,
+        ("sensor_lag", "load_force"),
+        is_global=False,
+        known=dict(load.fit.model.effects["load_force"]),
+        is_known=True,
     )
     pair = try_effect(on_lag, holdout)
     anew = try_anew(pair, "sensor_lag", holdout)
@@ -50,8 +54,8 @@ def test_from_every_start_a_side_minimum_is_left(given, monkeypatch):
     monkeypatch.setattr(extension, "of_another_side", lambda *_: [])
     key = "asymmetric_viscous_friction"
     base, holdout = base_of(given, 3010, 13, key)
-    few = try_effect(Work(base, (key,), False), holdout)
-    all_starts = try_effect(Work(base, (key,), False, follows_all=True), holdout)
+    few = try_effect(Work(base, (key,), is_global=False), holdout)
+    all_starts = try_effect(Work(base, (key,), is_global=False, follows_all=True), holdout)
     assert few.score.misfit > 1.5
     assert all_starts.score.misfit < 1.1
 

@@ -95,6 +95,6 @@ def test_what_is_no_nearer_within_coarse_steps_is_left(monkeypatch, left, is_fol
     monkeypatch.setattr(extension, "released_at_end", released_at_end)
     monkeypatch.setattr(extension, "in_best_form", lambda effect, problem, ended: (problem, ended))
     fit, effect = fit_of(900.0, "quantisation"), effect_of_key("coil_lag")
-    found = extension.beside_steps(fit, effect, None, is_global=False, promise=0.0, follows_all=False)
+    found = extension.beside_steps(fit, effect, extension.Extension(is_global=False))
     assert followed == ([0.5] if is_followed else [])
     assert found.found.error == (1.0 if is_followed else 900.0)

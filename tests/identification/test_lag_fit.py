@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.extension import extend, extend_from
+from identification.extension import Extension, extend, extend_from
 from identification.pairs import traces_of
 from identification.restart import begun_again
 from identification.screening import screened, traded
@@ -45,7 +45,7 @@ def test_a_lag_is_found_from_a_sluggish_base_valve_and_from_beside_another_effec
     assert found.found.error < 1.05 * found.problem.noise_error
     beside = extend(found, "asymmetric_viscous_friction")
     assert beside.found.error < 1.05 * beside.problem.noise_error
-    again = extend(base, "sensor_lag", dict(beside.model.effects["sensor_lag"]), kin=beside)
+    again = extend(base, "sensor_lag", Extension(known=dict(beside.model.effects["sensor_lag"]), kin=beside))
     assert again.found.error < 1.05 * again.problem.noise_error
     numbers = again.model.effects["sensor_lag"]
     lag = numbers["sensor_time_constant"] + numbers["sensor_second_time_constant"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from blind_fits import fits_to_plant
 
-from identification.extension import extend
+from identification.extension import Extension, extend
 from identification.screening import placed, screened
 from identification.search import LOOKED, roam_over
 from valvemodel.effects import effect_of_key
@@ -21,7 +21,7 @@ def test_a_tight_spot_is_found_whether_a_start_leads_to_it_or_not(seed, tmp_path
 @pytest.mark.parametrize(("seed", "is_lost"), [(9300, False), (9324, True), (9330, True)])
 def test_starts_alone_may_lose_a_tight_spot(seed, is_lost, tmp_path):
     _, base, _ = fits_to_plant(seed, KEY, tmp_path)
-    assert (extend(base, KEY, is_global=False).found.error > 10.0 * base.problem.noise_error) == is_lost
+    assert (extend(base, KEY, Extension(is_global=False)).found.error > 10.0 * base.problem.noise_error) == is_lost
 
 
 @pytest.mark.parametrize("seed", [9300, 9311])
@@ -53,9 +53,9 @@ def test_what_promises_less_than_is_asked_is_not_followed(tmp_path):
     _, base, found = fits_to_plant(9306, "sensor_drift", tmp_path)
     promised = screened(base, effect_of_key("sensor_drift"))[0].gain / (2.0 * base.found.error)
     assert promised > 0.0
-    followed = extend(base, "sensor_drift", promise=0.99 * promised)
+    followed = extend(base, "sensor_drift", Extension(promise=0.99 * promised))
     assert followed.found.error == pytest.approx(found.found.error)
-    idle = extend(base, "sensor_drift", promise=1.01 * promised)
+    idle = extend(base, "sensor_drift", Extension(promise=1.01 * promised))
     assert idle.found.error == base.found.error > found.found.error
     assert idle.model.effects["sensor_drift"]["sensor_drift_rate"] == 0.0
 
