@@ -11,6 +11,7 @@ import time
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import on_stairs
+from diagnosis.workshop import Workshop
 from identification.experiment import experiment_of
 from identification.extension import Extension, extend
 from identification.fit import Fit, fit_base
@@ -29,7 +30,7 @@ def prepare(record: Record) -> tuple[Holdout, Fit]:
     model, experiments = Model(valve.name, valve.values), [experiment_of(record)]
     holdout = hold_out(experiments)
     base = fit_base(model, holdout.experiments, holdout.fitted)
-    _, holdout, base = on_stairs(experiments, holdout, base, EFFECTS, model, None, lambda what, share: None)
+    _, holdout, base = on_stairs(experiments, Workshop(holdout), base, EFFECTS, model)
     return holdout, base
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
@@ -38,7 +37,8 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Progress, Work, glances, sharpen_all, try_all, try_in_turn
+from diagnosis.trying import Candidate, Work, glances, sharpen_all, try_all, try_in_turn
+from diagnosis.workshop import Workshop
 from identification.bent_lines import straight_line
 from identification.experiment import are_loops
 from identification.extension import Glance
@@ -76,12 +76,7 @@ up to which one is whose runs are dear: from the 48 of asymmetric filling that t
 
 
 def try_first(
-    base: Candidate,
-    holdout: Holdout,
-    library: Sequence[Effect],
-    pool: Executor | None,
-    progress: Progress,
-    known: Sequence[Candidate] = (),
+    base: Candidate, workshop: Workshop, library: Sequence[Effect], known: Sequence[Candidate] = ()
 ) -> tuple[list[Candidate], list[Candidate] | None]:
     """Try every effect alone, and what makes the stem jump beside what lags or bends the line through its breakaways.
 
@@ -98,27 +93,27 @@ def try_first(
         Pairs that were tried jointly on the way; None where that was not called for yet.
     """
     local, *searched = rounds(library)
-    alone = [*try_by_promise(base, holdout, local, pool, progress), *known]
+    alone = [*try_by_promise(base, local, workshop), *known]
     has_stops = stops_seen(base.fit)
-    are_of_reading = has_stops and is_explained_with_reading(alone, holdout, pool, progress)
-    alone = try_widely(alone, searched, holdout, pool, progress, has_stops=has_stops and not are_of_reading)
+    are_of_reading = has_stops and is_explained_with_reading(alone, workshop)
+    alone = try_widely(alone, searched, workshop, has_stops=has_stops and not are_of_reading)
     jumping = [each for each in blunt(best_of(alone, 1), base) if misfit(each) < NEAR_ENOUGH * allowed(base)]
-    alone = with_better(alone, sharpen_all(jumping, holdout, pool, progress))
-    alone = with_better(alone, try_all(nearly(alone), holdout, pool, progress, "effects one by one, from every start"))
+    alone = with_better(alone, sharpen_all(jumping, workshop))
+    alone = with_better(alone, try_all(nearly(alone), workshop, "effects one by one, from every start"))
     tried, together = alone, None
     if not are_of_reading:
-        tried = [*alone, *lags_beside_jumps(alone, holdout, pool, progress)]
+        tried = [*alone, *lags_beside_jumps(alone, workshop)]
         if not any_explains(tried) and speaks_softly_for_slips(alone):
-            together = try_jointly(alone, holdout, pool, progress)
+            together = try_jointly(alone, workshop)
         # What makes the stem jump leaves far more than that to two smooth ones: of eight blind plants of our own seven
         # times the noise at least, squared.
         if not do_explain(together or (), alone):
             for beside in (beside_coarse_steps, beside_slips):
                 if not any_explains(tried):
-                    tried += beside(alone, holdout, pool, progress)
-    tried = with_better(tried, try_all(law_in_closed_form(tried), holdout, pool, progress, WHAT))
-    tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
-    return with_better(tried, try_all(left_alone(tried), holdout, pool, progress, "effects one by one")), together
+                    tried += beside(alone, workshop)
+    tried = with_better(tried, try_all(law_in_closed_form(tried), workshop, WHAT))
+    tried = with_better(tried, sharpen_all(short_of_noise(tried), workshop))
+    return with_better(tried, try_all(left_alone(tried), workshop, "effects one by one")), together
 
 
 def speaks_softly_for_slips(alone: Sequence[Candidate]) -> bool:
@@ -126,20 +121,16 @@ def speaks_softly_for_slips(alone: Sequence[Candidate]) -> bool:
     return not in_stairs(alone[0].fit) and speaks_for_slips(alone) and not goes_in_jumps(best_of(alone, 1)[0])
 
 
-def in_phase(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def in_phase(tried: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Return what was tried, with the best pairs that lose the phase of their slips searched about, the base first.
 
     The error of a free run that lost it says little: from the re-anchored one it gets it back.
     """
     lost = [each for each in blunt(best_of(tried, 2), tried[0]) if loses_phase(each) and misfit(each) < OUT_OF_PHASE]
-    return with_better(tried, sharpen_all(lost, holdout, pool, progress))
+    return with_better(tried, sharpen_all(lost, workshop))
 
 
-def is_explained_with_reading(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> bool:
+def is_explained_with_reading(tried: Sequence[Candidate], workshop: Workshop) -> bool:
     """Return whether one of the nearest causes explains the record with what is read off it on top: a coarse reading.
 
     A reading that comes nearest itself has all others tried beside it.
@@ -154,17 +145,11 @@ def is_explained_with_reading(
         for key, values in read.items()
     ]
     ends = partial(explains, base=base)
-    return any(map(ends, try_all(work, holdout, pool, progress, "effects one by one", ends)))
+    return any(map(ends, try_all(work, workshop, "effects one by one", ends)))
 
 
 def try_widely(
-    tried: Sequence[Candidate],
-    searched: Sequence[Sequence[str]],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    *,
-    has_stops: bool,
+    tried: Sequence[Candidate], searched: Sequence[Sequence[str]], workshop: Workshop, *, has_stops: bool
 ) -> list[Candidate]:
     """Try the effects that need a global search alone, where no other explains the gap; return all that was tried.
 
@@ -176,7 +161,7 @@ def try_widely(
     """
     base, tried = tried[0], list(tried)
     for round_of in searched:
-        tried += beside_reading(tried, holdout, pool, progress)
+        tried += beside_reading(tried, workshop)
         is_called = has_stops or any(jumps(each.effects) for each in best_of(tried, 1)[:1])
         keys = [key for key in round_of if is_called or not effect_of_key(key).is_chaotic]
         ends = [each for each in tried if explains(each, base)]
@@ -184,7 +169,7 @@ def try_widely(
             best = min(ends, key=misfit)
             keys = [key for key in keys if effect_of_key(key).is_chaotic and differ_by_aliases((key,), best.effects)]
         work = [work_on(base.fit, effect_of_key(key), tried, has_stops=has_stops) for key in keys]
-        tried += try_all(work, holdout, pool, progress, "effects one by one")
+        tried += try_all(work, workshop, "effects one by one")
     return tried
 
 
@@ -203,9 +188,7 @@ def nearly(tried: Sequence[Candidate]) -> list[Work]:
     return [Work(base.fit, (key,), is_global=False, follows_all=True) for key in keys if is_quick(key)]
 
 
-def try_by_promise(
-    base: Candidate, holdout: Holdout, keys: Sequence[str], pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def try_by_promise(base: Candidate, keys: Sequence[str], workshop: Workshop) -> list[Candidate]:
     """Try effects that a local search finds alone, the most promising ones first; return the base and those.
 
     Slopes promise little of what is not small, such as a lag: a glance at each shows more. What shows little is
@@ -213,13 +196,13 @@ def try_by_promise(
     """
     # Waves promise something of whatever is left: they come last, for themselves.
     plain = [key for key in keys if not begins_at_periods(effect_of_key(key))]
-    progress("effects one by one", 0.0)
-    seen = glances(base.fit, plain, pool)
+    workshop.progress("effects one by one", 0.0)
+    seen = glances(base.fit, plain, workshop)
     nearest = sorted(plain, key=lambda key: (seen[key].fit.found.error, -seen[key].share))
     order = [*nearest, *(key for key in keys if key not in seen)]
     work = [Work(base.fit, (key,), is_global=False) for key in order]
     followed = partial(called_for, base, seen)
-    return [base, *try_in_turn(work, followed, holdout, pool, progress, "effects one by one")]
+    return [base, *try_in_turn(work, followed, workshop, "effects one by one")]
 
 
 def called_for(base: Candidate, seen: Mapping[str, Glance], work: Work, tried: Sequence[Candidate]) -> Work:
@@ -245,18 +228,16 @@ def called_for(base: Candidate, seen: Mapping[str, Glance], work: Work, tried: S
     return replace(work, worth=FAR_BEHIND * min((each.fit.found.error for each in ends), default=math.inf))
 
 
-def beside_reading(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def beside_reading(tried: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try all effects beside one that is read off the record, where that comes nearest and leaves something.
 
     The nearest of those that make the stem jump are searched about, if what lies beside the reading gains over it.
     """
     nearest = [each for each in best_of(tried, 1)[:1] if is_read_off(each) and not explains(each, tried[0])]
-    work = extensions(nearest, tried, values_alone(tried), SHORTLIST, pool)
-    pairs = try_all(work, holdout, pool, progress, "2 effects together")
+    work = extensions(nearest, tried, values_alone(tried), SHORTLIST, workshop)
+    pairs = try_all(work, workshop, "2 effects together")
     near = [each for each in blunt(best_of(pairs, 2), tried[0]) if misfit(each) < NO_GAIN * misfit(nearest[0])]
-    return with_better(pairs, sharpen_all(near, holdout, pool, progress))
+    return with_better(pairs, sharpen_all(near, workshop))
 
 
 def rounds(library: Sequence[Effect]) -> list[list[str]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
@@ -19,13 +18,13 @@ from diagnosis.standing import (
     is_read_off,
     with_better,
 )
-from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
+from diagnosis.trying import Candidate, Work, sharpen_all, try_all
+from diagnosis.workshop import Workshop
 from identification.bent_at_will import bent_at_will
 from identification.bent_lines import BentLine, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import LIES_ON, Line
 from identification.fit import Fit
 from identification.hints import begins_at_periods, coarse_step
-from identification.holdout import Holdout
 from identification.stick_slip import LEAST_STEPS, SHAPES_SLIPS, SlipSearch, line_of_stairs
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key, jumps_in_closed_form
@@ -66,9 +65,7 @@ Bend = Callable[[Fit, Line, Effect], BentLine | None]
 """How a line is bent by an effect."""
 
 
-def beside_slips(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def beside_slips(alone: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try what makes the stem jump on top of another effect, where a record may show that.
 
     In stairs the line through the breakaways tells of which; elsewhere it is what comes nearest alone, and the line
@@ -78,9 +75,7 @@ def beside_slips(
     ----------
     alone : sequence of Candidate
         The base, then the effects one by one.
-    holdout : Holdout
-    pool : Executor or None
-    progress : callable
+    workshop : Workshop
 
     Returns
     -------
@@ -91,16 +86,14 @@ def beside_slips(
     if not speaks_for_slips(alone):
         return []
     if in_stairs(alone[0].fit):
-        return by_the_line(alone, holdout, pool, progress) or on_the_nearest(alone, holdout, pool, progress)
-    on_top = on_the_nearest(alone, holdout, pool, progress)
+        return by_the_line(alone, workshop) or on_the_nearest(alone, workshop)
+    on_top = on_the_nearest(alone, workshop)
     if any_explains([alone[0], *on_top]):
         return on_top
-    return [*on_top, *by_the_line(alone, holdout, pool, progress)]
+    return [*on_top, *by_the_line(alone, workshop)]
 
 
-def by_the_line(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def by_the_line(alone: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try what makes the stem jump on top of an effect that brings its breakaways onto a line.
 
     The other way about a search goes astray: a second effect moves each breakaway, and what then is a slip's way
@@ -113,16 +106,16 @@ def by_the_line(
     is_best, gains = is_best_alone(laws[0], alone), misfit(laws[0]) <= SOME * misfit(base)
     if line is None or (line.is_explained and not is_best and not gains):
         return []
-    progress("what sets how far the slips go", 0.0)
+    workshop.progress("what sets how far the slips go", 0.0)
     keys = [law.effects[0] for law in laws[:MAKERS]]
-    alone_at_slips = look_alone(on_the_line(base.fit.problem, line), line, to_look_at(laws[:MAKERS], line), pool)
+    alone_at_slips = look_alone(on_the_line(base.fit.problem, line), line, to_look_at(laws[:MAKERS], line), workshop)
     if any(each.explains for each in alone_at_slips):
         return []
     effects = [effect_of_key(key) for key in single]
     if line.error <= LIES_ON * line.count:
         # What is seen elsewhere would bend it, or shapes the slips.
         effects = list(filter(is_unseen_elsewhere, effects))
-    bent = bent_lines(base.fit, line, effects, pool, progress, is_thorough=gains)
+    bent = bent_lines(base.fit, line, effects, workshop, is_thorough=gains)
     if not bent:
         # Nothing bends the line: what was left for on top of that is all there is.
         was_left = has_stops and not line.is_in_reach
@@ -130,19 +123,19 @@ def by_the_line(
         anew = [
             Work(base.fit, law.effects, is_global=True, kin=laws[0].fit if law is not laws[0] else None) for law in left
         ]
-        return try_all(anew, holdout, pool, progress, WHAT)
+        return try_all(anew, workshop, WHAT)
     worth = [
         each
         for number, each in enumerate(bent)
         if number < BENDS or (each.line.is_explained and (not line.is_explained or is_unseen_elsewhere(each.effect)))
     ]
-    progress("how far the slips go beside what bends the line", 0.0)
-    looked = look_beside(worth, keys, pool, alone_at_slips)
+    workshop.progress("how far the slips go beside what bends the line", 0.0)
+    looked = look_beside(worth, keys, workshop, alone_at_slips)
     if not any(each.slips for each in looked):
         known = [replace(each.work, slips=[]) for each in looked[:MAKERS] if is_best or not line.is_explained]
-        return try_all(known, holdout, pool, progress, WHAT)
+        return try_all(known, workshop, WHAT)
     brought = bent[0].effect.key if bent[0].line.is_explained and not line.is_explained else None
-    return try_all(nearest_at_slips(looked, alone_at_slips[0].error, brought), holdout, pool, progress, WHAT)
+    return try_all(nearest_at_slips(looked, alone_at_slips[0].error, brought), workshop, WHAT)
 
 
 def speaks_for_slips(alone: Sequence[Candidate]) -> bool:
@@ -164,9 +157,7 @@ def laws_alone(alone: Sequence[Candidate]) -> list[Candidate]:
     return [each for each in best_of(alone, 1) if effect_of_key(each.effects[0]).breakaway]
 
 
-def beside_coarse_steps(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def beside_coarse_steps(alone: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try what makes the stem jump on top of a coarse reading in which slips of several steps show; none where none do.
 
     Parameters are those of `beside_slips`.
@@ -175,8 +166,8 @@ def beside_coarse_steps(
     in_stairs = [fit for fit in readings if line_of_stairs(fit.problem, fit.found.point) is not None]
     laws = [key for key in alone_of(alone) if effect_of_key(key).breakaway]
     work = [Work(fit, (*fit.model.effects, law), is_global=True) for fit in in_stairs for law in laws]
-    tried = try_all(work, holdout, pool, progress, WHAT)
-    return with_better(tried, sharpen_all(blunt(best_of(tried, 2), alone[0]), holdout, pool, progress))
+    tried = try_all(work, workshop, WHAT)
+    return with_better(tried, sharpen_all(blunt(best_of(tried, 2), alone[0]), workshop))
 
 
 def to_look_at(laws: Sequence[Candidate], line: Line) -> dict[str, list[SlipSearch] | None]:
@@ -194,13 +185,13 @@ def is_unseen_elsewhere(effect: Effect) -> bool:
     return effect.hides_in_base or effect.key in SHAPES_SLIPS
 
 
-def bends_to_stairs(base: Fit, effects: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
+def bends_to_stairs(base: Fit, effects: Sequence[Effect], workshop: Workshop) -> bool:
     """Return whether one of some effects brings the steps of stairs onto a line on which they do not lie without."""
     line = straight_line(base)
     if line is None or line.is_explained or line.breakaways.on_the_way(line.point) < LEAST_STEPS:
         return False
     # The lines that cost least come first: one is enough.
-    laid = lines_with(bent_line, base, line, sorted(effects, key=lambda each: each.acts_in_time), pool, progress)
+    laid = lines_with(bent_line, base, line, sorted(effects, key=lambda each: each.acts_in_time), workshop)
     return any(each.line.is_explained for each in laid)
 
 
@@ -229,13 +220,7 @@ def nearest_at_slips(looked: Sequence[Look], alone: float, brought: str | None =
 
 
 def bent_lines(
-    base: Fit,
-    line: Line,
-    effects: Sequence[Effect],
-    pool: Executor | None,
-    progress: Progress,
-    *,
-    is_thorough: bool = False,
+    base: Fit, line: Line, effects: Sequence[Effect], workshop: Workshop, *, is_thorough: bool = False
 ) -> list[BentLine]:
     """Return the effects with which the breakaways lie on a line as well as with the best of them, that one first.
 
@@ -243,13 +228,13 @@ def bent_lines(
     effects that bend it already, or else with all. Where no effect of few numbers explains them a load that varies at
     will may.
     """
-    laid = list(lines_with(bent_line, base, line, effects, pool, progress))
+    laid = list(lines_with(bent_line, base, line, effects, workshop))
     if is_thorough and not are_explained(line, laid):
         worth = [each.effect for each in laid if each.line.error < BENT * line.error] or effects
-        laid += lines_with(bent_afresh, base, line, worth, pool, progress)
+        laid += lines_with(bent_afresh, base, line, worth, workshop)
     if not are_explained(line, laid):
         at_will = [each for each in effects if begins_at_periods(each)]
-        laid += lines_with(bent_at_will, base, line, at_will, pool, progress)
+        laid += lines_with(bent_at_will, base, line, at_will, workshop)
     best: dict[str, BentLine] = {}
     for each in sorted(laid, key=lambda each: each.line.error):
         best.setdefault(each.effect.key, each)
@@ -257,12 +242,10 @@ def bent_lines(
     return [each for each in bent if each.line.is_explained or each.line.error <= AS_WELL * bent[0].line.error]
 
 
-def lines_with(
-    bend: Bend, base: Fit, line: Line, effects: Sequence[Effect], pool: Executor | None, progress: Progress
-) -> Iterator[BentLine]:
+def lines_with(bend: Bend, base: Fit, line: Line, effects: Sequence[Effect], workshop: Workshop) -> Iterator[BentLine]:
     """Return the lines that some of the effects bend, as they are done; what nobody waits for is not begun."""
-    progress("what bends the line through the breakaways", 0.0)
-    return filter(None, (pool.map if pool else map)(partial(bend, base, line), effects))
+    workshop.progress("what bends the line through the breakaways", 0.0)
+    return filter(None, workshop.map(partial(bend, base, line), effects))
 
 
 def are_explained(line: Line, bent: Sequence[BentLine]) -> bool:
@@ -270,9 +253,7 @@ def are_explained(line: Line, bent: Sequence[BentLine]) -> bool:
     return line.is_explained or any(each.line.is_explained for each in bent)
 
 
-def on_the_nearest(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def on_the_nearest(alone: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try a law of stick-slip in closed form on top of the effects that come nearest alone, up to what explains all.
 
     The other way about the law takes in what it can of both, and no slope leads from there to the other effect. Where
@@ -284,13 +265,13 @@ def on_the_nearest(
     nearest = sorted(smooth, key=lambda each: each.fit.found.error)[:BESIDE]
     ends = partial(explains, base=alone[0])
     work = [Work(each.fit, (*each.effects, law), is_global=True) for law in closed for each in nearest]
-    tried = try_all(work, holdout, pool, progress, WHAT, ends)
+    tried = try_all(work, workshop, WHAT, ends)
     if any(map(ends, tried)):
         return tried
     order = sorted(zip(tried, work, strict=True), key=lambda pair: pair[0].fit.found.error)[:FOLLOWED]
     promising = [each for found, each in order if found.fit.found.error < closed[each.effects[1]].fit.found.error]
     again = [replace(each, is_thorough=True) for each in promising if not is_dear(each.effects[0])]
-    return with_better(tried, try_all(again, holdout, pool, progress, WHAT, ends))
+    return with_better(tried, try_all(again, workshop, WHAT, ends))
 
 
 def is_best_alone(maker: Candidate, alone: Sequence[Candidate]) -> bool:

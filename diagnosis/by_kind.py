@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from diagnosis.diagnosing import Diagnosis, Progress
+from diagnosis.diagnosing import Diagnosis
 from diagnosis.diagnosing import diagnose as diagnose_valve
+from diagnosis.workshop import Progress, tell_nobody
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -23,7 +24,7 @@ def diagnose(
     *,
     candidates: Sequence[str] | None = None,
     jobs: int | None = None,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Diagnosis | StemOnlyDiagnosis:
     """Find where and why a valve and its model disagree.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -29,6 +29,7 @@ from diagnosis.sham import Control, control_of, shams_on
 from diagnosis.stages import MOST_OPEN, open_stages, stage_probabilities
 from diagnosis.trying import Candidate
 from diagnosis.where import Where, where_of
+from diagnosis.workshop import Progress, Workshop, tell_nobody
 from identification.cores import begun, workers
 from identification.driving.between_rows import said_of_motion, share_left_out
 from identification.driving.measured_current import said_of_current
@@ -52,8 +53,6 @@ SCHEMA = "valvemodel.diagnosis/1"
 
 YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured position every 2 s"}
 """How the gap is measured: where slips stick, a free run loses their phase even if the model is right."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -263,7 +262,7 @@ def diagnose(
     *,
     candidates: Sequence[str] | None = None,
     jobs: int | None = None,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Diagnosis:
     """Find where and why a valve and its model disagree, from records with current; `diagnosis.diagnose` is the door.
 
@@ -288,7 +287,7 @@ def diagnose_with(
     gaps = begun(pool, where_of, experiments, whole_base)
     likeness = begun(pool, confusability, whole_base, library)
     shams = begun(pool, shams_on, first, holdout)
-    tried, hiding = with_hidden(searched.tried, holdout, pool, progress)
+    tried, hiding = with_hidden(searched.tried, Workshop(holdout, pool, progress))
     judgement = judge(tried)
     verdict = verdict_of(tried, judgement)
     order = order_of(tried, judgement)

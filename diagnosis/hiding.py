@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 
 import numpy as np
 
 from diagnosis.explaining import is_fitted, leaves_little, misfit
 from diagnosis.judgement import WITHIN_ERROR, Judgement, judge
-from diagnosis.trying import Candidate, Progress, Work, try_all
-from identification.holdout import Holdout
+from diagnosis.trying import Candidate, Work, try_all
+from diagnosis.workshop import Workshop
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key, is_jagged
 
@@ -28,9 +27,7 @@ FELT = 1.0
 """Change of the readings, in units of the noise, from which an effect is there and does not need to be shown."""
 
 
-def with_hidden(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> tuple[list[Candidate], list[str]]:
+def with_hidden(tried: Sequence[Candidate], workshop: Workshop) -> tuple[list[Candidate], list[str]]:
     """Look at what hides beside the most probable cause at a strength that matters.
 
     A search from no effect leaves at nothing what gains nothing; that it would leave no trace if it were there is what
@@ -41,8 +38,7 @@ def with_hidden(
     ----------
     tried : sequence of Candidate
         The base first.
-    holdout, pool, progress
-        As for `selection.try_together`.
+    workshop : Workshop
 
     Returns
     -------
@@ -66,7 +62,7 @@ def with_hidden(
     keys = [key for key in unfelt if effect_of_key(key).hides_in_base and key not in best.effects]
     hidden: list[Candidate] = []
     for share in (1.0, SMALLER, SMALLEST) if sticks(best) else (1.0, SMALLER):
-        found = try_all([beside_at(best, key, share) for key in keys], holdout, pool, progress, "what may hide")
+        found = try_all([beside_at(best, key, share) for key in keys], workshop, "what may hide")
         hidden += (each for each in found if is_hidden(each, best))
         keys = [each.effects[-1] for each in found if is_astray(each, best)]
     hidden.sort(key=misfit)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
 from diagnosis.explaining import misfit
 from diagnosis.standing import of_many_numbers
-from diagnosis.trying import Candidate, Progress, scored
+from diagnosis.trying import Candidate, scored
+from diagnosis.workshop import Workshop
 from identification.fit import Fit, finished
 from identification.holdout import Holdout
 from identification.pairs import Trace, begun, promising_pairs, traces_of
@@ -32,9 +32,7 @@ WHAT = "two effects that promise most together"
 """What is said meanwhile."""
 
 
-def try_jointly(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def try_jointly(tried: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try the pairs of effects that promise most together on what the base leaves.
 
     The best alone need be neither of two: what each changes of the readings, with the base valve's answer to it, is
@@ -45,9 +43,7 @@ def try_jointly(
     ----------
     tried : sequence of Candidate
         The base, then the effects one by one, and whatever else was tried.
-    holdout : Holdout
-    pool : Executor or None
-    progress : callable
+    workshop : Workshop
 
     Returns
     -------
@@ -57,18 +53,18 @@ def try_jointly(
     base = tried[0].fit
     alone = {each.effects[0]: each for each in tried if len(each.effects) == 1}
     keys = [key for key in alone if is_joined(key)]
-    progress(WHAT, 0.0)
+    workshop.progress(WHAT, 0.0)
     # Taken here, not once in each process.
     _ = base.own_slopes
     fits = [alone[key].fit if is_base_beside(alone[key], base) else None for key in keys]
-    traces = [trace for found in (pool.map if pool else map)(partial(traced, base), keys, fits) for trace in found]
+    traces = [trace for found in workshop.map(partial(traced, base), keys, fits) for trace in found]
     pairs = promising_pairs(base, traces, LOOKED_AT)
     starts = [begun(base, each) for each in pairs]
     for points, count, of_a_form in ((FIRST_LOOK, FOLLOWED, 2), (FURTHER, ENDED, 1)):
-        progress(WHAT, 0.0)
-        found = list((pool.map if pool else map)(partial(looked, points=points), starts))
+        workshop.progress(WHAT, 0.0)
+        found = list(workshop.map(partial(looked, points=points), starts))
         starts = nearest([(problem, each) for (problem, _), each in zip(starts, found, strict=True)], count, of_a_form)
-    ended = list((pool.map if pool else map)(partial(followed_to_end, holdout=holdout), starts))
+    ended = list(workshop.map(partial(followed_to_end, holdout=workshop.holdout), starts))
     return [replace(each, effects=in_order(each.effects, alone)) for each in ended]
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 
 from diagnosis.beside_slips import SOME, WHAT
 from diagnosis.explaining import any_explains, misfit
 from diagnosis.rivals import short_of_noise
 from diagnosis.standing import best_of, is_blunt, is_near_noise, values_alone, with_better
-from diagnosis.trying import Candidate, Progress, Work, sharpen_all, try_all
-from identification.holdout import Holdout
+from diagnosis.trying import Candidate, Work, sharpen_all, try_all
+from diagnosis.workshop import Workshop
 from identification.screening import is_sluggish
 from valvemodel.effects import effect_of_key
 
@@ -22,9 +21,7 @@ MOST_TAKEN_IN = 0.2
 """Share of what the law leaves below which a lag has taken in most of it."""
 
 
-def lags_beside_jumps(
-    alone: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def lags_beside_jumps(alone: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try what lags on top of a law in closed form that is the best alone, with far too much viscous friction for that.
 
     It makes the slips last as long as a lag does. No line tells: what lags shows a breakaway late. What lags by several
@@ -40,8 +37,8 @@ def lags_beside_jumps(
     for has_laws in (False, True):
         keys = [key for key in lags if bool(effect_of_key(key).laws) == has_laws]
         work = [Work(law.fit, (*law.effects, key), is_global=False, known=values[key]) for key in keys]
-        tried += try_all(work, holdout, pool, progress, WHAT)
-        tried = with_better(tried, sharpen_all(short_of_noise(tried), holdout, pool, progress))
+        tried += try_all(work, workshop, WHAT)
+        tried = with_better(tried, sharpen_all(short_of_noise(tried), workshop))
         if any(is_near_noise(each, base) or misfit(each) < MOST_TAKEN_IN * misfit(law) for each in best_of(tried, 2)):
             break
     return best_of(tried, 2)

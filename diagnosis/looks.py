@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
 
 from diagnosis.trying import Work
+from diagnosis.workshop import Workshop
 from identification.bent_lines import BentLine
 from identification.breakaway import Line
 from identification.extension import slips_beside, slips_by
@@ -58,7 +58,7 @@ class Look:
         return bool(self.slips) and NEARER_AT_SLIPS * self.error < noise_at_rests(self.slips[0])
 
 
-def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None], pool: Executor | None) -> list[Look]:
+def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None], workshop: Workshop) -> list[Look]:
     """Return what laws make of the slips by themselves, on the line of a fit, the best first.
 
     Parameters
@@ -68,9 +68,9 @@ def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None]
         Through its breakaways.
     laws : mapping
         By key what the forms of each make of the slips, None where that is to be searched for.
-    pool : Executor or None
+    workshop : Workshop
     """
-    looks = Looks([], pool)
+    looks = Looks([], workshop)
     begun = [Look(Work(fit, (law,), is_global=True), line, slips or []) for law, slips in laws.items()]
     looks.add([each for each in begun if each.slips])
     looks.search([each for each in begun if not each.slips])
@@ -79,7 +79,7 @@ def look_alone(fit: Fit, line: Line, laws: Mapping[str, list[SlipSearch] | None]
 
 
 def look_beside(
-    bent: Sequence[BentLine], laws: Sequence[str], pool: Executor | None, alone: Sequence[Look] = ()
+    bent: Sequence[BentLine], laws: Sequence[str], workshop: Workshop, alone: Sequence[Look] = ()
 ) -> list[Look]:
     """Return what laws make of the slips beside effects that bend the line.
 
@@ -94,11 +94,11 @@ def look_beside(
         The one whose line is best first.
     laws : sequence of str
         Keys.
-    pool : Executor or None
+    workshop : Workshop
     alone : sequence of Look
         What laws make of the slips alone, the best first.
     """
-    looks = Looks(bent, pool)
+    looks = Looks(bent, workshop)
     straight = [each for each in alone if each.slips and each.line.is_explained]
     if straight:
         leader = leading(straight)
@@ -132,8 +132,8 @@ def leading(looks: Sequence[Look]) -> Look:
 class Looks:
     """What is known of laws beside effects that bend the line: on lines that are held, and let loose where it pays."""
 
-    def __init__(self, bent: Sequence[BentLine], pool: Executor | None) -> None:
-        self.bent, self.map = bent, pool.map if pool else map
+    def __init__(self, bent: Sequence[BentLine], workshop: Workshop) -> None:
+        self.bent, self.map = bent, workshop.map
         self.held: dict[tuple[str, ...], Look] = {}
         self.searched: set[tuple[str, ...]] = set()
         self.loose: dict[SlipSearch, SlipSearch] = {}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 from diagnosis.diagnosing import Diagnosis
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
 from diagnosis.trying import Candidate
+from diagnosis.workshop import Progress, tell_nobody
 from identification.experiment import Experiment
 from valvemodel.records import write_table
 
@@ -33,8 +34,6 @@ first order a rival may follow one and not the other."""
 
 USUAL_PRESSURE_NOISE = 300.0
 """Noise that a pressure gauge is taken to have where none was used yet. [Pa]"""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def next_experiment(
     *,
     name: str = "next.csv",
     seed: int = 0,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> NextExperiment:
     """Design the input that makes the smallest expected difference between refitted rivals as large as possible.
 

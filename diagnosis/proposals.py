@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.explaining import (
@@ -36,6 +35,7 @@ from diagnosis.standing import (
     values_alone,
 )
 from diagnosis.trying import Candidate, Work, promises
+from diagnosis.workshop import Workshop
 from identification.fit import Fit
 from identification.hints import begins_at_periods, other_forms
 from valvemodel.effects import are_aliases, effect_of_key, jumps_in_closed_form
@@ -94,7 +94,7 @@ def extensions(
     tried: Sequence[Candidate],
     single: dict[str, dict[str, float]],
     count: int,
-    pool: Executor | None,
+    workshop: Workshop,
 ) -> list[Work]:
     """Return what is to be tried on top of some causes: the most promising effects, no cause twice.
 
@@ -130,7 +130,7 @@ def extensions(
         called = (*best, *plain, *(hiding if explains(leader, tried[0], generous=True) else ()))
         certain = list(dict.fromkeys([*stopping, *(key for key in called if key not in leader.effects)]))
         most = SHORTLIST_SLOW if takes_long else SHORTLIST_ON_SERIES if leader.has_series else count
-        for key in shortlist(leader.fit, single, certain, min(count, most), pool):
+        for key in shortlist(leader.fit, single, certain, min(count, most), workshop):
             effects = (*leader.effects, key)
             cause = (frozenset(effects), leader.has_series)
             # What is read off the residual of another fit may have begun amiss, and with one wave followed together.
@@ -176,7 +176,7 @@ def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:
 
 
 def shortlist(
-    fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int, pool: Executor | None
+    fit: Fit, single: dict[str, dict[str, float]], certain: Sequence[str], count: int, workshop: Workshop
 ) -> list[str]:
     """Return the effects that promise most on what a fit leaves over, after those that are called for in any case.
 
@@ -184,7 +184,7 @@ def shortlist(
     """
     keys = [key for key in single if key not in fit.model.effects and not effect_of_key(key).takes_long]
     keys = [key for key in keys if key not in certain]
-    gains = promises(fit, {key: single[key] for key in keys}, pool)
+    gains = promises(fit, {key: single[key] for key in keys}, workshop)
     order = sorted(keys, key=lambda key: -gains[key])
     return [*dict.fromkeys(certain), *order[:count]]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from diagnosis.alone import in_phase, library_for, try_first
@@ -14,8 +14,9 @@ from diagnosis.score import score_fit
 from diagnosis.selection import try_together
 from diagnosis.stairs import on_stairs, stairs_beside
 from diagnosis.standing import NEAR_THE_BEST, best_of, with_better
-from diagnosis.trying import Candidate, Progress, scored
+from diagnosis.trying import Candidate, scored
 from diagnosis.unrecorded import largest_error, with_unrecorded
+from diagnosis.workshop import Progress, Workshop
 from identification.driving.between_rows import followed_anew, moving_between_rows
 from identification.driving.measured_current import as_set
 from identification.experiment import Experiment
@@ -96,36 +97,34 @@ class Search:
         base: Fit,
         library: Sequence[Effect],
     ) -> Searched:
-        model, pool, progress = self.model, self.pool, self.progress
+        model = self.model
         experiments, said = with_unrecorded(as_read, base)
         sampling_error = largest_error(experiments, as_read)
         if experiments != as_read:
             holdout, base = parted(experiments, model)
         holdout, base = evenly_parted(holdout, base, model)
-        experiments, holdout, base = on_stairs(experiments, holdout, base, library, model, pool, progress)
+        workshop = Workshop(holdout, self.pool, self.progress)
+        experiments, holdout, base = on_stairs(experiments, workshop, base, library, model)
+        workshop = replace(workshop, holdout=holdout)
         first = Candidate((), base, score_fit(base, holdout))
-        tried, together = try_first(first, holdout, library, pool, progress)
+        tried, together = try_first(first, workshop, library)
         seen = stairs_beside(tried, experiments, holdout, model)
         for further in (in_phase, partial(try_together, together=together)):
             if not seen:
-                tried = further(tried, holdout, pool, progress)
+                tried = further(tried, workshop)
                 seen = stairs_beside(tried, experiments, holdout, model)
         if seen:
             experiments, holdout, base = seen
+            workshop = replace(workshop, holdout=holdout)
             first = Candidate((), base, score_fit(base, holdout))
-            tried, together = try_first_again(tried, first, holdout, library, pool, progress)
+            tried, together = try_first_again(tried, first, workshop, library)
             for further in (in_phase, partial(try_together, together=together)):
-                tried = further(tried, holdout, pool, progress)
+                tried = further(tried, workshop)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
 
 
 def try_first_again(
-    tried: Sequence[Candidate],
-    base: Candidate,
-    holdout: Holdout,
-    library: Sequence[Effect],
-    pool: Executor | None,
-    progress: Progress,
+    tried: Sequence[Candidate], base: Candidate, workshop: Workshop, library: Sequence[Effect]
 ) -> tuple[list[Candidate], list[Candidate] | None]:
     """Try what is tried first once more, beside the two effects beside which stairs showed, fitted as these count.
 
@@ -138,19 +137,17 @@ def try_first_again(
         All that was tried on the record as it was.
     base : Candidate
         As the record counts now.
-    holdout : Holdout
-        Of that.
+    workshop : Workshop
+        With the holdout of that.
     library : sequence of Effect
-    pool : Executor or None
-    progress : callable
     """
     pairs = best_of(tried, 2)
     near = [each for each in pairs if misfit(each) < NEAR_THE_BEST * misfit(pairs[0])]
     searched = [each for each in best_of(tried, 1) if effect_of_key(each.effects[0]).is_jagged]
-    again = list((pool.map if pool else map)(partial(fitted_again, holdout=holdout), [*near, *searched]))
+    again = list(workshop.map(partial(fitted_again, holdout=workshop.holdout), [*near, *searched]))
     if explains(again[0], base):
-        return try_first(base, holdout, library, pool, progress, again)
-    first, together = try_first(base, holdout, library, pool, progress)
+        return try_first(base, workshop, library, again)
+    first, together = try_first(base, workshop, library)
     return with_better(first, again), together
 
 

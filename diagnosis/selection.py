@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from functools import partial
 
 from diagnosis.ending import gains, goes_in_jumps, is_enough, is_explained, is_told
@@ -48,7 +47,6 @@ from diagnosis.standing import (
 )
 from diagnosis.trying import (
     Candidate,
-    Progress,
     Work,
     begin_again,
     change_all,
@@ -59,7 +57,7 @@ from diagnosis.trying import (
     try_all,
     try_anew,
 )
-from identification.holdout import Holdout
+from diagnosis.workshop import Workshop
 from identification.restart import is_far_off
 from valvemodel.effects import effect_of_key
 
@@ -84,12 +82,7 @@ LOOKED_BACK = 2
 
 
 def try_together(
-    first: Sequence[Candidate],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    *,
-    together: Sequence[Candidate] | None = None,
+    first: Sequence[Candidate], workshop: Workshop, *, together: Sequence[Candidate] | None = None
 ) -> list[Candidate]:
     """Try further effects on top of the best, as long as unseen data gain from it.
 
@@ -111,34 +104,28 @@ def try_together(
         if not order or (size > 2 and any(effect_of_key(key).is_chaotic for key in order[0].effects)):
             break
         if size == 2:
-            tried = in_right_form(tried, holdout, pool, progress)
+            tried = in_right_form(tried, workshop)
         formed = best_of(tried, 2)[:1]
         if size == 2 and not goes_in_jumps(order[0]):
-            joined = try_jointly(tried, holdout, pool, progress) if together is None else together
+            joined = try_jointly(tried, workshop) if together is None else together
             tried = with_better(tried, joined)
-            tried = with_better(tried, try_all(on_what_explains(tried), holdout, pool, progress, "2 effects together"))
+            tried = with_better(tried, try_all(on_what_explains(tried), workshop, "2 effects together"))
         if not is_told(tried) and not any(is_enough(each, base) for each in order):
-            tried = on_top_of_the_best(tried, order, holdout, pool, progress)
+            tried = on_top_of_the_best(tried, order, workshop)
         best, fewer = best_of(tried, size), as_tried(order[0], tried)
         if not best or not gains(best[0], fewer):
             break
         if size == 2:
-            tried = with_kindred(tried, holdout, pool, progress, formed)
+            tried = with_kindred(tried, workshop, formed)
         led = leading_pair(tried)
-        tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), holdout, pool, progress))
-        tried = exchanged_anew(tried, led, holdout, pool, progress)
+        tried = with_better(tried, each_in_turn(take_out, worth_a_look_back(tried, size), workshop))
+        tried = exchanged_anew(tried, led, workshop)
         if misfit(best_of(tried, size)[0]) > (1.0 - WORTH_ANOTHER) ** 2 * misfit(fewer):
             break
     return tried
 
 
-def on_top_of_the_best(
-    tried: Sequence[Candidate],
-    order: Sequence[Candidate],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-) -> list[Candidate]:
+def on_top_of_the_best(tried: Sequence[Candidate], order: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Try one more effect on top of the best causes, and of what the best of all is without its first effect.
 
     Where the best two leave much, and little less than one, they are not tried without the first, nor in another order.
@@ -154,17 +141,17 @@ def on_top_of_the_best(
     settles, single, size = partial(is_settled, base=base), values_alone(tried), len(order[0].effects) + 1
     leaders, what = leaders_of(order), f"{size} effects together"
     for number, leader in enumerate(leaders):
-        work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, pool)
+        work = extensions([leader], known, single, SHORTLIST if number == 0 else SHORTLIST_FURTHER, workshop)
         work = called_on_slow(work, known)
         # Readings in coarse steps tell less: what is not alike may come as near.
         until = settles if not is_read_off(leader) else never
         for part in (local(work), wide(work)):
-            known += try_all(still_called_for(part, known), holdout, pool, progress, what, until)
+            known += try_all(still_called_for(part, known), workshop, what, until)
         if any(map(settles, known)):
             break
     if size == 2:
-        known = with_better(known, try_all(left_alone(known), holdout, pool, progress, what))
-        known = with_better(known, sharpen_all(ended_at_nothing(known), holdout, pool, progress))
+        known = with_better(known, try_all(left_alone(known), workshop, what))
+        known = with_better(known, sharpen_all(ended_at_nothing(known), workshop))
     best = best_of(known, size)
     if (
         not best
@@ -176,29 +163,21 @@ def on_top_of_the_best(
     without_first = set(best[0].effects[1:])
     rest = [each for each in known if set(each.effects) == without_first]
     rest = [each for each in rest if all(each.fit is not leader.fit for leader in leaders)]
-    work = called_on_slow(extensions(rest, known, single, SHORTLIST_BACK, pool), known)
+    work = called_on_slow(extensions(rest, known, single, SHORTLIST_BACK, workshop), known)
     work = still_called_for(work, known)
-    known += try_all(work, holdout, pool, progress, what)
+    known += try_all(work, workshop, what)
     if size == 2:
-        known = with_better(known, try_all(reversed_pairs(known, single), holdout, pool, progress, what))
+        known = with_better(known, try_all(reversed_pairs(known, single), workshop, what))
     return known
 
 
-def in_right_form(
-    tried: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def in_right_form(tried: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Return what was tried, with what makes the stem jump of the best two effects beside the other in other forms."""
-    alone = try_all(in_other_forms(tried), holdout, pool, progress, "effects in other forms")
-    return with_better(tried, try_all(with_jumps(alone, tried), holdout, pool, progress, "2 effects together"))
+    alone = try_all(in_other_forms(tried), workshop, "effects in other forms")
+    return with_better(tried, try_all(with_jumps(alone, tried), workshop, "2 effects together"))
 
 
-def with_kindred(
-    tried: Sequence[Candidate],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    formed: Sequence[Candidate] = (),
-) -> list[Candidate]:
+def with_kindred(tried: Sequence[Candidate], workshop: Workshop, formed: Sequence[Candidate] = ()) -> list[Candidate]:
     """Return what was tried, with the best two effects exchanged for their aliases, searched for anew and about.
 
     Where these leave two effects out of reach nothing more is tried. What was tried in other forms already is not once
@@ -208,26 +187,26 @@ def with_kindred(
     for _ in range(ALIAS_ROUNDS):
         work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
         done |= {frozenset(each.effects) for each in work}
-        known = with_better(known, try_all(work, holdout, pool, progress, "2 effects together"))
+        known = with_better(known, try_all(work, workshop, "2 effects together"))
     if is_out_of_reach(known):
         return known
     led = leading_pair(known)
     for proposed in (on_what_stays, near_misses, from_the_best):
-        known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))
+        known = with_better(known, try_all(proposed(known), workshop, "2 effects together"))
     again = worth_beginning_again(known)
-    known = with_better(known, change_all(begin_again, again, holdout, pool, progress, "beginning again with"))
-    known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), holdout, pool, progress))
-    known = with_better(known, try_all(jumps_anew(known), holdout, pool, progress, "2 effects together"))
-    known = with_better(known, try_all(other_laws(known), holdout, pool, progress, "2 effects together"))
+    known = with_better(known, change_all(begin_again, again, workshop, "beginning again with"))
+    known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), workshop))
+    known = with_better(known, try_all(jumps_anew(known), workshop, "2 effects together"))
+    known = with_better(known, try_all(other_laws(known), workshop, "2 effects together"))
     best = best_of(known, 2)[0]
     if all((each.effects, misfit(each)) != (best.effects, misfit(best)) for each in formed):
-        known = in_right_form(known, holdout, pool, progress)
-    known = exchanged_anew(known, led, holdout, pool, progress)
+        known = in_right_form(known, workshop)
+    known = exchanged_anew(known, led, workshop)
     for proposed in (nearly_together, from_numbers_of_the_best):
-        known = with_better(known, try_all(proposed(known), holdout, pool, progress, "2 effects together"))
+        known = with_better(known, try_all(proposed(known), workshop, "2 effects together"))
     for choice_of in (rivals_of_best, aliases_of_best):
-        known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), holdout, pool, progress))
-    return with_better(known, sharpen_all(short_of_noise(known), holdout, pool, progress))
+        known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), workshop))
+    return with_better(known, sharpen_all(short_of_noise(known), workshop))
 
 
 def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
@@ -235,12 +214,10 @@ def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
     return frozenset(best_of(tried, 2)[0].effects)
 
 
-def exchanged_anew(
-    tried: Sequence[Candidate], led: frozenset[str], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def exchanged_anew(tried: Sequence[Candidate], led: frozenset[str], workshop: Workshop) -> list[Candidate]:
     """Return what was tried, with the best two effects exchanged for their aliases if two others led until then."""
     work = exchanged(tried) if leading_pair(tried) != led else []
-    return with_better(tried, try_all(work, holdout, pool, progress, "2 effects together"))
+    return with_better(tried, try_all(work, workshop, "2 effects together"))
 
 
 def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 
 from diagnosis.beside_slips import bends_to_stairs
 from diagnosis.explaining import GOOD_ENOUGH, misfit
 from diagnosis.parts import parted
 from diagnosis.standing import best_of
-from diagnosis.trying import Candidate, Progress
+from diagnosis.trying import Candidate
+from diagnosis.workshop import Workshop
 from identification.experiment import Experiment
 from identification.extension import Extension, extend, slips_by
 from identification.fit import Fit
@@ -30,19 +30,13 @@ STEPPED = 0.5
 
 
 def on_stairs(
-    experiments: list[Experiment],
-    holdout: Holdout,
-    base: Fit,
-    library: Sequence[Effect],
-    model: Model,
-    pool: Executor | None,
-    progress: Progress,
+    experiments: list[Experiment], workshop: Workshop, base: Fit, library: Sequence[Effect], model: Model
 ) -> tuple[list[Experiment], Holdout, Fit]:
     """Return experiments, their parts and the base refitted to them, where they have stairs; else all as it was."""
-    read = tempered(experiments, holdout, base, model)
-    if read and makes_stairs(read[2], library, pool, progress):
+    read = tempered(experiments, workshop.holdout, base, model)
+    if read and makes_stairs(read[2], library, workshop):
         return read
-    return experiments, holdout, base
+    return experiments, workshop.holdout, base
 
 
 def stairs_beside(
@@ -99,7 +93,7 @@ def with_stairs(experiments: Sequence[Experiment], base: Fit) -> list[Experiment
     ]
 
 
-def makes_stairs(base: Fit, library: Sequence[Effect], pool: Executor | None, progress: Progress) -> bool:
+def makes_stairs(base: Fit, library: Sequence[Effect], workshop: Workshop) -> bool:
     """Return whether what makes the stem stop again and again explains much of what is left, alone or beside another.
 
     A reading in coarse steps does not count: no slip comes early in it. Where the readings show such steps, an effect
@@ -114,4 +108,4 @@ def makes_stairs(base: Fit, library: Sequence[Effect], pool: Executor | None, pr
         for each in makers
     )
     has_steps = least.found.error < STEPPED * base.found.error
-    return alone or (not has_steps and bends_to_stairs(base, library, pool, progress))
+    return alone or (not has_steps and bends_to_stairs(base, library, workshop))

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.diagnosing import Cause, Progress, content_of
+from diagnosis.diagnosing import Cause, content_of
 from diagnosis.display import Told
 from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
+from diagnosis.workshop import Progress, tell_nobody
 from identification.experiment import Experiment
 from identification.inverse_dynamics import (
     Preprocessing,
@@ -176,7 +177,7 @@ def diagnose_stem_records(
     records: Sequence[Record],
     model: Model,
     *,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> StemOnlyDiagnosis:
     """Find which effect the stem of a valve lacks, from force and position.
 

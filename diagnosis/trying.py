@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import repeat
@@ -13,6 +13,8 @@ from itertools import repeat
 import numpy as np
 
 from diagnosis.score import Score, score_fit
+from diagnosis.workshop import Workshop
+from identification.cores import begun
 from identification.extension import Extension, Glance, continued, extend, extend_from, glanced, slips_asked
 from identification.fit import Fit
 from identification.holdout import Holdout
@@ -35,8 +37,6 @@ AT_ONCE = 4
 HAIR_LEFT, HAIR_UNSEEN = 2.0, 1.2
 """Error over that of the noise up to which a fit is right but for a hair, and what is unseen over it from which it is
 not."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -199,21 +199,16 @@ def never(candidate: Candidate) -> bool:
 
 
 def try_all(
-    work: Sequence[Work],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    what: str,
-    until: Callable[[Candidate], bool] = never,
+    work: Sequence[Work], workshop: Workshop, what: str, until: Callable[[Candidate], bool] = never
 ) -> list[Candidate]:
     """Try a list of extensions in turn, on all cores where there is a pool, up to one that is all that is wanted."""
     done: list[Candidate] = []
     jobs: list[Future[Candidate]] = []
-    if pool is not None:
-        jobs = [pool.submit(try_effect, each, holdout) for each in work]
+    if workshop.pool is not None:
+        jobs = [workshop.pool.submit(try_effect, each, workshop.holdout) for each in work]
     for number, each in enumerate(work):
-        progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
-        done.append(jobs[number].result() if jobs else try_effect(each, holdout))
+        workshop.progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
+        done.append(jobs[number].result() if jobs else try_effect(each, workshop.holdout))
         if until(done[-1]):
             break
     for job in jobs[len(done) :]:
@@ -222,12 +217,7 @@ def try_all(
 
 
 def try_in_turn(
-    work: Sequence[Work],
-    called_for: Callable[[Work, Sequence[Candidate]], Work],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    what: str,
+    work: Sequence[Work], called_for: Callable[[Work, Sequence[Candidate]], Work], workshop: Workshop, what: str
 ) -> list[Candidate]:
     """Try a list of extensions in turn, on all cores where there is a pool, each as far as those before it call for.
 
@@ -239,28 +229,23 @@ def try_in_turn(
         Takes a work and what came out of those before it, and returns the work to be done.
     """
     done: list[Candidate] = []
-    jobs: deque[Future[Candidate]] = deque()
+    jobs: deque[Callable[[], Candidate]] = deque()
     for number, each in enumerate(work):
-        known = max(number + 1 - AT_ONCE, 0)
-        while jobs and len(done) < known:
-            done.append(jobs.popleft().result())
-        progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
-        now = called_for(each, done[:known])
-        if pool is None:
-            done.append(try_effect(now, holdout))
-        else:
-            jobs.append(pool.submit(try_effect, now, holdout))
-    return [*done, *(job.result() for job in jobs)]
+        while len(done) < number + 1 - AT_ONCE:
+            done.append(jobs.popleft()())
+        workshop.progress(f"{what}: {' + '.join(each.effects)}", number / len(work))
+        jobs.append(begun(workshop.pool, try_effect, called_for(each, done), workshop.holdout))
+    return [*done, *(job() for job in jobs)]
 
 
-def glances(fit: Fit, keys: Sequence[str], pool: Executor | None) -> dict[str, Glance]:
+def glances(fit: Fit, keys: Sequence[str], workshop: Workshop) -> dict[str, Glance]:
     """Return what a glance at each of some effects on top of a fit shows, on all cores where there is a pool."""
     # Taken here, not once in each process.
     _ = fit.own_slopes
-    return dict(zip(keys, (pool.map if pool else map)(partial(glanced, fit), keys), strict=True))
+    return dict(zip(keys, workshop.map(partial(glanced, fit), keys), strict=True))
 
 
-def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | None) -> dict[str, float]:
+def promises(fit: Fit, starts: dict[str, dict[str, float]], workshop: Workshop) -> dict[str, float]:
     """Return what each of some effects promises to explain of what a fit leaves, on all cores where there is a pool.
 
     Parameters
@@ -268,13 +253,13 @@ def promises(fit: Fit, starts: dict[str, dict[str, float]], pool: Executor | Non
     fit : Fit
     starts : dict of dict
         Values of each effect as fitted alone, one more start of it. [SI]
-    pool : Executor or None
+    workshop : Workshop
     """
     if not starts:
         return {}
     # Taken here, not once in each process.
     _ = fit.own_slopes
-    gains = (pool.map if pool else map)(partial(promise_of, fit), starts, starts.values())
+    gains = workshop.map(partial(promise_of, fit), starts, starts.values())
     return dict(zip(starts, gains, strict=True))
 
 
@@ -283,20 +268,13 @@ def promise_of(fit: Fit, key: str, known: dict[str, float]) -> float:
     return screened(fit, effect_of_key(key), known)[0].gain
 
 
-def sharpen_all(
-    candidates: Sequence[Candidate], holdout: Holdout, pool: Executor | None, progress: Progress
-) -> list[Candidate]:
+def sharpen_all(candidates: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Search about the fits of some causes, on all cores where there is a pool."""
-    return change_all(sharpen, candidates, holdout, pool, progress, "searching about")
+    return change_all(sharpen, candidates, workshop, "searching about")
 
 
 def change_all(
-    change: Callable[[Candidate, Holdout], Candidate],
-    candidates: Sequence[Candidate],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
-    what: str,
+    change: Callable[[Candidate, Holdout], Candidate], candidates: Sequence[Candidate], workshop: Workshop, what: str
 ) -> list[Candidate]:
     """Return what becomes of some causes by a change, on all cores where there is a pool.
 
@@ -307,16 +285,12 @@ def change_all(
     """
     if not candidates:
         return []
-    progress(f"{what} {' + '.join(candidates[0].effects)}", 0.0)
-    return list((pool.map if pool else map)(change, candidates, repeat(holdout)))
+    workshop.progress(f"{what} {' + '.join(candidates[0].effects)}", 0.0)
+    return list(workshop.map(change, candidates, repeat(workshop.holdout)))
 
 
 def each_in_turn(
-    change: Callable[[Candidate, str, Holdout], Candidate],
-    candidates: Sequence[Candidate],
-    holdout: Holdout,
-    pool: Executor | None,
-    progress: Progress,
+    change: Callable[[Candidate, str, Holdout], Candidate], candidates: Sequence[Candidate], workshop: Workshop
 ) -> list[Candidate]:
     """Return what becomes of some causes by a change to each of their effects in turn, on all cores with a pool.
 
@@ -328,6 +302,6 @@ def each_in_turn(
     pairs = [(each, key) for each in candidates for key in each.effects]
     if not pairs:
         return []
-    progress(f"looking back from {' + '.join(candidates[0].effects)}", 0.0)
+    workshop.progress(f"looking back from {' + '.join(candidates[0].effects)}", 0.0)
     causes, keys = zip(*pairs, strict=True)
-    return list((pool.map if pool else map)(change, causes, keys, repeat(holdout)))
+    return list(workshop.map(change, causes, keys, repeat(workshop.holdout)))

@@ -17,6 +17,7 @@ from diagnosis.score import score_fit
 from diagnosis.stairs import REACH
 from diagnosis.standing import blunt
 from diagnosis.trying import Candidate, Work, sharpen, try_effect
+from diagnosis.workshop import Workshop
 from identification import bent_at_will as waving
 from identification.bent_at_will import bent_at_will
 from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
@@ -34,6 +35,9 @@ from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 
 def plant_and_base(given, seed: int, *keys: str, reach: float = REACH):
@@ -94,7 +98,7 @@ def test_what_makes_a_stem_jump_is_found_beside_a_coarse_reading(coarse):
     asked = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(slips, "try_all", lambda work, *_: asked.extend(work) or [])
-        slips.beside_coarse_steps(alone, holdout, None, lambda *_: None)
+        slips.beside_coarse_steps(alone, Workshop(holdout))
     assert [each.effects for each in asked] == [("quantisation", "static_friction")]
     assert asked[0].is_global
 
@@ -108,7 +112,7 @@ def test_a_display_is_no_coarse_reading_to_search_on_top_of(drifting, monkeypatc
     alone = [Candidate((), base, score_fit(base, holdout))]
     alone += [replace(alone[0], effects=("quantisation",), fit=shown), replace(alone[0], effects=("static_friction",))]
     monkeypatch.setattr(slips, "try_all", lambda work, *_: [pytest.fail("searched")] if work else [])
-    assert slips.beside_coarse_steps(alone, holdout, None, lambda *_: None) == []
+    assert slips.beside_coarse_steps(alone, Workshop(holdout)) == []
 
 
 @pytest.fixture(scope="module")
@@ -316,13 +320,13 @@ def test_a_lag_bends_the_line_as_well(given):
     assert not line.is_explained
     bent = bent_line(base, line, effect_of_key("coil_lag"))
     assert bent.line.error < 0.05 * line.error
-    assert bends_to_stairs(base, [effect_of_key("coil_lag")], None, lambda *what: None)
-    assert not bends_to_stairs(base, [effect_of_key("gap_drift")], None, lambda *what: None)
+    assert bends_to_stairs(base, [effect_of_key("coil_lag")], EMPTY)
+    assert not bends_to_stairs(base, [effect_of_key("gap_drift")], EMPTY)
 
 
 def test_no_stairs_are_seen_where_the_line_is_straight(given):
     _, _, base = plant_and_base(given, 9201, "stribeck")
-    assert not bends_to_stairs(base, [effect_of_key("coil_lag")], None, lambda *what: None)
+    assert not bends_to_stairs(base, [effect_of_key("coil_lag")], EMPTY)
 
 
 @pytest.mark.parametrize(("bent", "afresh"), [(3.0, ["coil_lag"]), (20.0, ["coil_lag", "gap_drift"])])
@@ -334,12 +338,12 @@ def test_lines_are_laid_afresh_with_what_bends_them_already_or_with_all(monkeypa
     monkeypatch.setattr(slips, "bent_line", lambda base, line, effect: laid(effect, errors[effect.key]))
     monkeypatch.setattr(slips, "bent_afresh", lambda base, line, effect: asked.append(effect.key) or laid(effect, 0.5))
     straight, effects = SimpleNamespace(error=100.0, is_explained=False), [effect_of_key(key) for key in errors]
-    found = bent_lines(None, straight, effects, None, lambda *what: None, is_thorough=True)
+    found = bent_lines(None, straight, effects, EMPTY, is_thorough=True)
     assert asked == afresh
     assert found[0].line.error == 0.5
     asked.clear()
     errors["gap_drift"] = 0.9
-    bent_lines(None, straight, effects, None, lambda *what: None, is_thorough=True)
+    bent_lines(None, straight, effects, EMPTY, is_thorough=True)
     assert asked == [], "one explains the breakaways"
 
 
@@ -348,10 +352,10 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     _, _, base = plant_and_base(given, 9409, "asymmetric_friction", "static_friction")
     line = straight_line(base)
     keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
-    bent = bent_lines(base, line, [effect_of_key(key) for key in keys], None, lambda *what: None)
+    bent = bent_lines(base, line, [effect_of_key(key) for key in keys], EMPTY)
     assert all(each.line.is_explained for each in bent)
     alone = look_alone(on_the_line(base.problem, line), line, {"static_friction": None}, None)
-    looked = look_beside(bent, ["static_friction"], None, alone)
+    looked = look_beside(bent, ["static_friction"], EMPTY, alone)
     errors_by = {each.work.effects[0]: each.error for each in looked if each.slips}
     assert set(errors_by) == set(keys)
     assert errors_by["asymmetric_friction"] < 0.9 * min(
@@ -418,7 +422,7 @@ def under_the_law(alone: list[Candidate], left: dict[tuple[str, ...], float], mo
     """The work in which a law comes on top of others, where fits come to these errors by their effects, else to 30."""
     asked: list[Work] = []
 
-    def try_all(work, holdout, pool, progress, what, until):
+    def try_all(work, workshop, what, until):
         done = []
         for each in work:
             asked.append(each)
@@ -428,7 +432,7 @@ def under_the_law(alone: list[Candidate], left: dict[tuple[str, ...], float], mo
         return done
 
     monkeypatch.setattr(slips, "try_all", try_all)
-    slips.on_the_nearest(alone, None, None, lambda *what: None)
+    slips.on_the_nearest(alone, EMPTY)
     return asked
 
 
@@ -483,7 +487,7 @@ def test_the_line_tells_in_stairs_and_elsewhere_where_nothing_else_does(monkeypa
     monkeypatch.setattr(slips, "by_the_line", way("line"))
     monkeypatch.setattr(slips, "on_the_nearest", way("nearest"))
     base = replace(named(40.0), fit=at_rest(in_stairs))
-    tried = slips.beside_slips([base], None, None, lambda *what: None)
+    tried = slips.beside_slips([base], EMPTY)
     assert ways == asked
     assert len(tried) == len(asked) * math.isfinite(left)
 
@@ -493,7 +497,7 @@ def test_slips_are_not_looked_at_where_a_coarse_reading_comes_nearer(monkeypatch
     monkeypatch.setattr(slips, "straight_line", lambda *_: pytest.fail("looked at"))
     base = replace(named(40.0), fit=at_rest(True))
     alone = [base, named(30.0, "static_friction"), named(10.0, "quantisation"), named(20.0, "area_variation")]
-    assert slips.beside_slips(alone, None, None, lambda what, share: None) == []
+    assert slips.beside_slips(alone, EMPTY) == []
 
 
 @pytest.mark.parametrize(("alone_by", "is_looked_at"), [(0.95, False), (0.85, True)])
@@ -503,11 +507,11 @@ def test_slips_are_looked_at_where_a_law_gains_though_the_line_is_straight(monke
     monkeypatch.setattr(slips, "stops_seen", lambda fit: True)
     monkeypatch.setattr(slips, "straight_line", lambda fit: SimpleNamespace(is_explained=True, is_in_reach=True))
     monkeypatch.setattr(slips, "on_the_line", lambda *given: None)
-    monkeypatch.setattr(slips, "look_alone", lambda fit, line, laws, pool: asked.append(list(laws)) or explained)
+    monkeypatch.setattr(slips, "look_alone", lambda fit, line, laws, workshop: asked.append(list(laws)) or explained)
     explained = [SimpleNamespace(explains=True)]
     base = replace(named(40.0), fit=at_rest(True))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(30.0, "load_force")]
-    assert slips.by_the_line(alone, None, None, lambda *what: None) == []
+    assert slips.by_the_line(alone, EMPTY) == []
     assert asked == [["static_friction"]] * is_looked_at
 
 
@@ -524,7 +528,7 @@ def test_bends_are_looked_for_only_where_something_speaks_for_stick_slip(
     monkeypatch.setattr(slips, "on_the_nearest", lambda *given: [])
     base = replace(named(40.0), fit=at_rest(False))
     alone = [base, named(alone_by * 40.0, "static_friction"), named(other, "supply_droop")]
-    assert slips.beside_slips(alone, None, None, lambda *what: None) == []
+    assert slips.beside_slips(alone, EMPTY) == []
     assert len(looked) == is_looked_for
 
 
@@ -629,7 +633,7 @@ def test_the_dear_law_is_searched_for_alone_after_all_where_nothing_bends_the_li
     base = replace(named(40.0), fit=SimpleNamespace(problem=None))
     alone = [base, named(30.0, "static_friction"), named(35.0, "stribeck"), named(20.0, "supply_droop")]
     alone.append(named(19.0, "static_friction", "quantisation"))
-    work = slips.by_the_line(alone, None, None, lambda *what: None)
+    work = slips.by_the_line(alone, EMPTY)
     assert [(each.effects, each.is_global, each.kin) for each in work] == [
         (("stribeck",), True, "static_friction")
     ] * is_anew

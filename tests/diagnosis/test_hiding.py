@@ -13,7 +13,11 @@ from diagnosis.judgement import judge
 from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
 from diagnosis.trying import Candidate
+from diagnosis.workshop import Workshop
 from valvemodel.effects import effect_of_key
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 
 def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:
@@ -34,7 +38,7 @@ def beside(tried: list[Candidate], misfits: dict[str, float], monkeypatch) -> tu
 
     monkeypatch.setattr(hiding, "try_all", try_all)
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
-    return with_hidden(tried, None, None, lambda what, share: None)
+    return with_hidden(tried, EMPTY)
 
 
 def test_what_leaves_a_cause_as_good_as_it_is_is_said_to_hide_beside_it(monkeypatch):
@@ -57,9 +61,9 @@ def test_where_a_stem_sticks_what_was_fitted_tells_whether_an_effect_hides(monke
     found = SimpleNamespace(error=101.0)
     monkeypatch.setattr(hiding, "try_all", try_all)
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
-    assert with_hidden(tried, None, None, lambda what, share: None)[1] == hidden
+    assert with_hidden(tried, EMPTY)[1] == hidden
     found.error = 110.0
-    assert with_hidden(tried, None, None, lambda what, share: None)[1] == []
+    assert with_hidden(tried, EMPTY)[1] == []
 
 
 def test_what_comes_no_nearer_than_can_be_told_hides_too(monkeypatch):
@@ -324,7 +328,7 @@ def test_what_its_strongest_start_led_astray_is_tried_from_a_smaller_one(monkeyp
     monkeypatch.setattr(hiding, "try_all", try_all)
     monkeypatch.setattr(judgement, "stops_seen", lambda fit: False)
     tried = [candidate(90.0), candidate(1.0, "position_dependent_friction"), candidate(89.0, "air_leak")]
-    assert with_hidden(tried, None, None, lambda what, share: None)[1] == ["air_leak"]
+    assert with_hidden(tried, EMPTY)[1] == ["air_leak"]
     assert asked == [0.15, pytest.approx(hiding.SMALLER * 0.15)]
 
 

@@ -11,14 +11,13 @@ from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.jointly import in_order, is_joined, nearest, try_jointly
 from diagnosis.score import score_fit
 from diagnosis.trying import Candidate, Work, try_effect
+from diagnosis.workshop import Workshop
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from identification.holdout import hold_out
 from identification.search import Found
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
-
-QUIET = lambda what, share: None  # noqa: E731
 
 
 def problem(**held: float) -> SimpleNamespace:
@@ -75,7 +74,7 @@ def test_both_effects_of_a_blind_valve_are_found_together(given, keys):
     base = Candidate((), fit, score_fit(fit, holdout))
     others = ("coil_lag", "spring_hardening", "gap_drift", "area_variation", "pressure_dependent_friction")
     alone = [try_effect(Work(fit, (key,), is_global=False), holdout) for key in (*keys, *others)]
-    found = min(try_jointly([base, *alone], holdout, None, QUIET), key=lambda each: each.score.misfit)
+    found = min(try_jointly([base, *alone], Workshop(holdout)), key=lambda each: each.score.misfit)
     assert set(found.effects) == set(keys)
     assert found.score.misfit < 1.3
     assert min(each.score.misfit for each in alone) > 2.0 * found.score.misfit

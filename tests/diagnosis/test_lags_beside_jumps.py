@@ -10,6 +10,10 @@ import pytest
 
 from diagnosis import lags_beside_jumps as lags
 from diagnosis.trying import Candidate
+from diagnosis.workshop import Workshop
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 
 def named(misfit: float, *effects: str) -> Candidate:
@@ -45,14 +49,14 @@ def test_lags_are_tried_on_top_of_a_law_in_closed_form_that_makes_slips_last(mon
     # What comes nearer alone needs no jumps.
     alone += [named(30.0, "air_leak")]
     alone[2:] = [sluggish(each, 1.0) for each in alone[2:]]
-    found = lags.lags_beside_jumps(alone, None, None, lambda *what: None)
+    found = lags.lags_beside_jumps(alone, EMPTY)
     quick, slow = [(law, "sensor_lag"), (law, "transport_delay")], [(law, "chamber_filling")]
     assert found == []
     assert [each for each in asked if each] == [quick, slow] * is_tried
 
 
 def test_no_lag_is_tried_where_nothing_was_alone():
-    assert lags.lags_beside_jumps([named(40.0)], None, None, lambda *what: None) == []
+    assert lags.lags_beside_jumps([named(40.0)], EMPTY) == []
 
 
 @pytest.mark.parametrize(("left", "is_enough"), [(1.0, True), (3.0, True), (9.0, False)])
@@ -66,6 +70,6 @@ def test_what_lags_by_several_laws_is_not_tried_beside_jumps_where_another_lag_t
     monkeypatch.setattr(lags, "short_of_noise", lambda tried: [])
     monkeypatch.setattr(lags, "is_near_noise", lambda each, base: each.score.misfit < 1.1)
     alone = [named(40.0), named(20.0, "static_friction"), named(39.0, "chamber_filling"), named(39.0, "sensor_lag")]
-    found = lags.lags_beside_jumps([sluggish(each, 4.0) for each in alone], None, None, lambda *what: None)
+    found = lags.lags_beside_jumps([sluggish(each, 4.0) for each in alone], EMPTY)
     assert {each.effects for each in found} == {lagging.effects}
     assert asked == [[("static_friction", "sensor_lag")], [("static_friction", "chamber_filling")]][: 2 - is_enough]

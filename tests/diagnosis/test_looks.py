@@ -7,7 +7,11 @@ from types import SimpleNamespace
 import pytest
 
 from diagnosis import looks
+from diagnosis.workshop import Workshop
 from valvemodel.effects import effect_of_key
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 HELD = {
     ("spring_hardening", "static_friction"): 5.0,
@@ -78,7 +82,7 @@ def test_the_laws_are_compared_again_beside_the_effect_where_one_came_nearest(as
     """Beside the effect that bends the line best the wrong law seems the better one."""
     monkeypatch.setitem(LOOSE, ("linkage_nonlinearity", "static_friction"), 4.8)
     found = looks.look_beside(
-        bent("spring_hardening", "area_variation", "linkage_nonlinearity"), ["static_friction", "stribeck"], None
+        bent("spring_hardening", "area_variation", "linkage_nonlinearity"), ["static_friction", "stribeck"], EMPTY
     )
     assert asked[0] == list(HELD)[:4]
     assert errors_of(found) == {**HELD, **NEAR} | {key: HELD[key] for key in list(HELD)[2:4]}
@@ -87,17 +91,17 @@ def test_the_laws_are_compared_again_beside_the_effect_where_one_came_nearest(as
 
 def test_an_effect_that_looks_worse_while_the_line_is_held_comes_nearest_where_it_moves(asked):
     found = errors_of(
-        looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone_at(9.0))
+        looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], EMPTY, alone_at(9.0))
     )
     assert found == {("spring_hardening", "static_friction"): 5.0, ("linkage_nonlinearity", "static_friction"): 0.5}
 
 
 def test_a_line_is_let_loose_once_and_beside_what_comes_near_alone(asked, monkeypatch):
     monkeypatch.setitem(HELD, ("spring_hardening", "stribeck"), 20.0)
-    looks.look_beside(bent("spring_hardening"), ["static_friction", "stribeck"], None, alone_at(9.0))
+    looks.look_beside(bent("spring_hardening"), ["static_friction", "stribeck"], EMPTY, alone_at(9.0))
     assert asked[1] == [("spring_hardening", "static_friction")]
     asked[1].clear()
-    looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], None, alone_at(9.0))
+    looks.look_beside(bent("spring_hardening", "linkage_nonlinearity"), ["static_friction"], EMPTY, alone_at(9.0))
     # The numbers of the first effect are found once; those of the second near by, and then by themselves.
     assert asked[1].count(("spring_hardening", "static_friction")) == 1
 
@@ -107,7 +111,7 @@ def test_what_bends_the_line_best_is_let_loose_first_only_if_a_law_alone_is_wors
     """It is out of the question as soon as another effect comes much nearer."""
     monkeypatch.setitem(NEAR, ("area_variation", "static_friction"), 1.0)
     monkeypatch.setitem(HELD, ("area_variation", "static_friction"), 1.0)
-    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction"], None, alone_at(alone))
+    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction"], EMPTY, alone_at(alone))
     assert (("spring_hardening", "static_friction") in asked[1]) == is_loose
     assert ("area_variation", "static_friction") in asked[1]
 
@@ -116,17 +120,17 @@ def test_a_law_alone_that_explains_the_slips_leaves_nothing_to_come_nearer(asked
     monkeypatch.setattr(looks, "noise_at_rests", lambda slip: 1.0)
     for error, is_explained in ((1.2, True), (1.3, False)):
         monkeypatch.setitem(HELD, ("static_friction",), error)
-        (alone,) = looks.look_alone(None, None, {"static_friction": None}, None)
+        (alone,) = looks.look_alone(None, None, {"static_friction": None}, EMPTY)
         assert alone.error == error
         assert alone.explains == is_explained
 
 
 def test_what_a_law_made_of_the_slips_before_is_not_searched_for_again(asked):
     known = Slip(("stribeck",), 2.0)
-    (nearest,) = looks.look_alone(None, None, {"stribeck": [known]}, None)
+    (nearest,) = looks.look_alone(None, None, {"stribeck": [known]}, EMPTY)
     assert (nearest.work.effects, nearest.error) == (("stribeck",), 2.0)
     assert asked == ([], [("stribeck",)])
-    assert looks.look_alone(None, None, {}, None) == []
+    assert looks.look_alone(None, None, {}, EMPTY) == []
 
 
 @pytest.mark.parametrize(("gained", "is_compared"), [(4.1, False), (3.9, True)])
@@ -136,7 +140,7 @@ def test_where_no_bend_is_needed_the_law_alone_leads_beside_all_and_the_other_is
     monkeypatch.setitem(NEAR, ("area_variation", "static_friction"), gained)
     monkeypatch.setitem(NEAR, ("spring_hardening", "static_friction"), 4.9)
     alone = [*alone_at(4.6, "stribeck", is_straight=True), *alone_at(5.0, is_straight=True)]
-    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction", "stribeck"], None, alone)
+    looks.look_beside(bent("spring_hardening", "area_variation"), ["static_friction", "stribeck"], EMPTY, alone)
     in_full = [("area_variation", "static_friction"), ("area_variation", "stribeck")]
     assert asked[0] == in_full * is_compared, "static friction is about as near, and has a closed form"
 
@@ -159,6 +163,6 @@ def test_what_was_worse_while_the_line_was_held_is_kept_for_where_it_moves(asked
     )
     monkeypatch.setattr(looks, "let_loose", lambda slip: Slip(slip.effects, ended.get(slip, slip.found.error)))
     found = errors_of(
-        looks.look_beside(bent("area_variation"), ["static_friction"], None, alone_at(5.0, is_straight=True))
+        looks.look_beside(bent("area_variation"), ["static_friction"], EMPTY, alone_at(5.0, is_straight=True))
     )
     assert found == {pair: 1.0}

@@ -22,8 +22,12 @@ from diagnosis.standing import (
     with_better,
 )
 from diagnosis.trying import Candidate, Work
+from diagnosis.workshop import Workshop
 from identification.extension import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:
@@ -77,7 +81,7 @@ def test_what_comes_nearer_beside_slips_that_leave_no_trace_is_tried_alone_from_
         return [candidate(0.94, *each.effects) for each in work]
 
     monkeypatch.setattr(singles, "try_all", try_all)
-    found, together = singles.try_first(alone[0], None, [], None, None)
+    found, together = singles.try_first(alone[0], EMPTY, [])
     assert together is None
     assert tried_alone == [idle.fit] * 2
     assert {each.effects: each.score.misfit for each in found}["linkage_nonlinearity",] == 0.94
@@ -100,7 +104,7 @@ def test_slips_are_not_looked_at_where_two_smooth_effects_explain_the_record(mon
     monkeypatch.setattr(singles, "speaks_for_slips", lambda alone: True)
     monkeypatch.setattr(singles, "try_jointly", lambda *_: [pair])
     monkeypatch.setattr(singles, "beside_slips", lambda *_: asked.append("slips") or [])
-    tried, together = singles.try_first(alone[0], None, [], None, None)
+    tried, together = singles.try_first(alone[0], EMPTY, [])
     assert bool(asked) == is_slipping
     assert together == ([pair] if best == "chamber_filling" else None)
     # Pairs that are smooth take their place later, beside what comes on top of one effect.
@@ -110,7 +114,7 @@ def test_slips_are_not_looked_at_where_two_smooth_effects_explain_the_record(mon
     monkeypatch.setattr(selection, "with_kindred", lambda tried, *_: list(tried))
     monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
     if together is not None:
-        assert pair in selection.try_together(tried, None, None, None, together=together)
+        assert pair in selection.try_together(tried, EMPTY, together=together)
         assert "jointly" not in asked
 
 
@@ -144,12 +148,12 @@ def test_two_effects_that_leave_much_and_little_less_than_one_are_not_tried_in_o
     monkeypatch.setattr(selection, "in_other_forms", lambda _: [])
     for name in named:
         monkeypatch.setattr(selection, name, lambda tried, name=name: asked.append(name) or [])
-    selection.with_kindred(tried, None, None, lambda what, share: None)
+    selection.with_kindred(tried, EMPTY)
     assert set(asked) == ({"exchanged"} if is_out else {*named})
     monkeypatch.setattr(selection, "extensions", lambda leaders, *_: asked.append("looking back") or [])
     asked.clear()
     monkeypatch.setattr(selection, "reversed_pairs", lambda *_: asked.append("reversed") or [])
-    selection.on_top_of_the_best(tried, tried[1:2], None, None, lambda what, share: None)
+    selection.on_top_of_the_best(tried, tried[1:2], EMPTY)
     assert ("reversed" in asked) != is_out
 
 
@@ -244,7 +248,7 @@ def test_the_nearest_of_the_same_effects_knows_of_the_order_that_lost():
 @pytest.mark.parametrize(("left", "expected"), [(1.6, ["air_leak", "linkage_backlash"]), (30.0, [])])
 def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch, left, expected):
     monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
-    monkeypatch.setattr(proposals, "promises", lambda fit, starts, pool: dict.fromkeys(starts, 0.0))
+    monkeypatch.setattr(proposals, "promises", lambda fit, starts, workshop: dict.fromkeys(starts, 0.0))
     tried = [candidate(40.0), candidate(left, "supply_droop")]
     single = {key: {} for key in ("supply_droop", "coil_lag", "air_leak", "linkage_backlash")}
     work = extensions(tried[1:], tried, single, 0, None)
@@ -274,7 +278,7 @@ def test_what_makes_the_stem_stop_is_searched_for_where_nothing_explains_the_rec
     monkeypatch.setattr(selection, "sharpen_all", lambda *_: [])
     monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
     monkeypatch.setattr(selection, "try_jointly", lambda *_: [])
-    selection.try_together(tried, None, None, lambda what, share: None)
+    selection.try_together(tried, EMPTY)
     assert list(dict.fromkeys(done)) == expected
 
 
@@ -303,7 +307,7 @@ def test_no_fit_is_searched_about_twice(monkeypatch):
         "in_other_forms",
     ):
         monkeypatch.setattr(selection, rule, lambda *_: [])
-    known = selection.with_kindred([candidate(40.0), done, pair], None, None, lambda what, share: None)
+    known = selection.with_kindred([candidate(40.0), done, pair], EMPTY)
     assert asked == [pair]
     assert all(each.is_sharpened for each in known[1:])
 
@@ -312,7 +316,7 @@ def test_no_fit_is_searched_about_twice(monkeypatch):
 def test_a_pair_that_is_off_by_more_than_a_phase_is_not_brought_back_into_it(monkeypatch, left, is_asked):
     monkeypatch.setattr(singles, "sharpen_all", sharpened_all)
     pair = candidate(left * singles.OUT_OF_PHASE, "coil_lag", "stribeck")
-    _, found = singles.in_phase([candidate(900.0), pair], None, None, lambda what, share: None)
+    _, found = singles.in_phase([candidate(900.0), pair], EMPTY)
     assert found.is_sharpened == is_asked
 
 
@@ -332,7 +336,7 @@ def test_two_that_explain_together_end_the_search_unless_one_may_stand_in(monkey
     monkeypatch.setattr(selection, "on_top_of_the_best", lambda tried, *_: followed.append(tried) or tried)
     monkeypatch.setattr(selection, "with_kindred", lambda tried, *_: tried)
     monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
-    selection.try_together([candidate(40.0), candidate(20.0, "coil_lag")], None, None, None)
+    selection.try_together([candidate(40.0), candidate(20.0, "coil_lag")], EMPTY)
     assert bool(followed) == is_followed
 
 
@@ -396,7 +400,7 @@ def test_two_are_tried_jointly_where_none_alone_explains_or_what_does_may_stand_
     monkeypatch.setattr(selection, "try_jointly", lambda *_: asked.append(1) or [])
     monkeypatch.setattr(selection, "on_top_of_the_best", lambda tried, *_: tried)
     monkeypatch.setattr(selection, "MOST_EFFECTS", 2)
-    selection.try_together([candidate(40.0), alone], None, None, None)
+    selection.try_together([candidate(40.0), alone], EMPTY)
     assert bool(asked) == is_asked
 
 
@@ -445,9 +449,9 @@ def test_beside_a_coarse_reading_all_is_tried_where_it_leaves_something(monkeypa
     monkeypatch.setattr(singles, "with_better", lambda tried, others: [*others] or [*tried])
     monkeypatch.setattr(proposals, "promises", lambda *_: {})
     tried = [candidate(20.0), candidate(left, "quantisation"), candidate(19.0, "static_friction")]
-    found = singles.beside_reading(tried, None, None, lambda what, share: None)
+    found = singles.beside_reading(tried, EMPTY)
     assert [each.trace for each in found] == [9.0] * count  # searched about
-    assert singles.beside_reading(tried[::2], None, None, lambda what, share: None) == []
+    assert singles.beside_reading(tried[::2], EMPTY) == []
 
 
 @pytest.mark.parametrize(("key", "is_blunt"), [("static_friction", True), ("coil_lag", False)])
@@ -541,12 +545,12 @@ def test_on_what_has_many_numbers_another_must_promise_something_where_two_expla
     work = [Work(each.fit, (*each.effects, "air_leak"), is_global=False) for each in alone]
     monkeypatch.setattr(selection, "extensions", lambda *_: work)
     monkeypatch.setattr(selection, "try_all", lambda work, *_: asked.extend(work) or [])
-    selection.on_top_of_the_best(tried, tried[1:2], None, None, lambda what, share: None)
+    selection.on_top_of_the_best(tried, tried[1:2], EMPTY)
     assert [each.promise for each in asked[:2]] == [promise, 0.0]
     # A third one takes longest of all.
     work = [replace(each, effects=(*each.effects, "coil_lag")) for each in work]
     asked.clear()
-    selection.on_top_of_the_best(tried, tried[3:4], None, None, lambda what, share: None)
+    selection.on_top_of_the_best(tried, tried[3:4], EMPTY)
     assert [each.promise for each in asked[:2]] == [proposals.PROMISE_IF_SLOW, 0.0]
 
 
@@ -563,7 +567,7 @@ def test_what_gains_nothing_over_a_single_effect_as_that_came_nearest_is_not_fol
     monkeypatch.setattr(
         selection, "try_all", lambda work, *_: [candidate(nearer, "asymmetric_filling")] if "nearer" in work else []
     )
-    found = selection.on_top_of_the_best(tried, alone[:1], None, None, lambda what, share: None)
+    found = selection.on_top_of_the_best(tried, alone[:1], EMPTY)
     assert [alone[1]] in leaders if is_followed else [alone[1]] not in leaders
     assert standing.as_tried(alone[0], found).score.misfit == nearer
 
@@ -804,7 +808,7 @@ def test_errors_of_re_anchored_runs_say_nothing_of_free_ones():
 
 
 def test_where_nothing_was_tried_alone_nothing_is_tried_together():
-    assert selection.try_together([candidate(20.0)], None, None, lambda *_: None) == [candidate(20.0)]
+    assert selection.try_together([candidate(20.0)], EMPTY) == [candidate(20.0)]
 
 
 def test_a_series_that_comes_nearest_does_not_hide_a_cause_that_explains():
@@ -890,7 +894,7 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
 
     asked: list[list[str]] = []
     monkeypatch.setattr(singles, "try_all", try_all)
-    monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: glance(fit, 2000.0) for key in keys})
+    monkeypatch.setattr(singles, "glances", lambda fit, keys, workshop: {key: glance(fit, 2000.0) for key in keys})
     monkeypatch.setattr(singles, "try_in_turn", lambda work, _, *others: try_all(work, *others))
     monkeypatch.setattr(singles, "stops_seen", lambda fit: True)
     monkeypatch.setattr(singles, "straight_line", lambda fit: None)
@@ -901,11 +905,11 @@ def test_another_law_of_stick_slip_is_tried_though_one_explains(monkeypatch):
     monkeypatch.setattr(singles, "is_explained_with_reading", lambda *_: False)
     for name in ("nearly", "blunt", "beside_slips", "left_alone", "speaks_softly_for_slips"):
         monkeypatch.setattr(singles, name, lambda *_: [])
-    singles.try_first(base, None, library, None, lambda what, share: None)
+    singles.try_first(base, EMPTY, library)
     assert [key for round_of in asked for key in round_of] == ["coil_lag", "presliding", "static_friction", "stribeck"]
     asked.clear()
     others = [effect_of_key(key) for key in keys if key != "static_friction"]
-    singles.try_first(base, None, others, None, lambda what, share: None)
+    singles.try_first(base, EMPTY, others)
     assert ["stribeck"] in asked
 
 
@@ -945,7 +949,7 @@ def test_stops_that_a_coarse_reading_on_top_of_the_nearest_explains_speak_for_no
     monkeypatch.setattr(singles, "speaks_softly_for_slips", lambda alone: False)
     for name in ("nearly", "blunt", "left_alone"):
         monkeypatch.setattr(singles, name, lambda *_: [])
-    singles.try_first(alone[0], None, [], None, None)
+    singles.try_first(alone[0], EMPTY, [])
     assert looked_at == ([False] if is_read else [True, "slips"])
 
 
@@ -973,8 +977,8 @@ def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it
     seen = {key: glance(base.fit, 2000.0 + place, shares.get(key, 0.0)) for place, key in enumerate(order)}
     asked: dict[str, tuple[object, float]] = {}
     monkeypatch.setattr(trying, "try_effect", try_effect)
-    monkeypatch.setattr(singles, "glances", lambda fit, keys, pool: {key: seen[key] for key in keys})
-    tried = singles.try_by_promise(base, None, ["load_force", *order[::-1]], pool, lambda what, share: None)
+    monkeypatch.setattr(singles, "glances", lambda fit, keys, workshop: {key: seen[key] for key in keys})
+    tried = singles.try_by_promise(base, ["load_force", *order[::-1]], Workshop(None, pool))
     assert [each.effects for each in tried] == [(), *((key,) for key in [*order, "load_force"])]
     assert are_aliases("coil_lag", "sensor_lag")
     assert not are_aliases("coil_lag", "sensor_drift")
@@ -1023,7 +1027,7 @@ def test_aliases_of_two_effects_that_lead_only_after_a_look_back_are_tried_too(m
     monkeypatch.setattr(selection, "exchanged", lambda _: [asked])
     monkeypatch.setattr(selection, "try_all", lambda work, *_: [candidate(1.05, *each.effects) for each in work])
     led = frozenset({"supply_droop", "gap_drift" if is_another else "linkage_nonlinearity"})
-    known = selection.exchanged_anew(tried, led, None, None, None)
+    known = selection.exchanged_anew(tried, led, EMPTY)
     assert [each.effects for each in known[3:]] == ([asked.effects] if is_another else [])
 
 
@@ -1104,7 +1108,7 @@ def test_what_jumps_alone_is_searched_about_where_it_may_explain_the_record(monk
     monkeypatch.setattr(singles, "speaks_softly_for_slips", lambda alone: False)
     for name, made in (("try_by_promise", alone), ("try_widely", alone), ("beside_slips", []), ("nearly", [])):
         monkeypatch.setattr(singles, name, lambda *_, made=made, **__: made)
-    singles.try_first(alone[0], None, [], None, None)
+    singles.try_first(alone[0], EMPTY, [])
     assert asked == alone[1:2] * is_asked
 
 
@@ -1127,7 +1131,7 @@ def test_the_right_form_beside_jumps_is_looked_for_before_what_comes_on_top_of_o
     rules = ("exchanged", "on_what_stays", "near_misses", "worth_beginning_again", "jumps_anew", "other_laws")
     for rule in (*rules, "nearly_together"):
         monkeypatch.setattr(selection, rule, lambda *_: [])
-    found = selection.try_together([candidate(90.0), single, pair], None, None, lambda what, share: None)
+    found = selection.try_together([candidate(90.0), single, pair], EMPTY)
     assert min(each.score.misfit for each in found) == min(in_form, 5.0)
     assert asked.count("forms") == 1, "not once more where nothing has changed"
     assert ("on top" in asked) == (in_form > 2.0)
@@ -1147,7 +1151,7 @@ def test_where_no_stops_are_seen_a_law_whose_slips_hang_by_a_hair_is_tried_if_an
         lambda work, *_: asked.extend(work) or [candidate(30.0 if key == best else 50.0, key) for key in work],
     )
     tried = [candidate(90.0), candidate(40.0, "load_force")]
-    singles.try_widely(tried, [["static_friction"], ["stribeck"]], None, None, None, has_stops=False)
+    singles.try_widely(tried, [["static_friction"], ["stribeck"]], EMPTY, has_stops=False)
     assert asked == ["static_friction"] + ["stribeck"] * is_tried
 
 

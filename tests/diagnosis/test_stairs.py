@@ -16,6 +16,7 @@ from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, 
 from diagnosis.score import Errors, Score, score_fit
 from diagnosis.stairs import makes_stairs, stairs_beside, with_stairs
 from diagnosis.trying import Candidate
+from diagnosis.workshop import Workshop
 from identification.experiment import Experiment, Simulated, experiment_of
 from identification.extension import extend
 from identification.fit import Fit, fit_base
@@ -26,6 +27,9 @@ from identification.staircase import stops_on_the_way
 from identification.unknowns import base_unknowns
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 
 def plant_with(seed: int, *effects: str, duration: float = 150.0) -> Experiment:
@@ -49,7 +53,7 @@ def test_stick_slip_is_found_where_single_slips_come_early(given, sticking):
     assert math.isfinite(stepped.reach)
     holdout = hold_out([stepped])
     base = base_of(given, stepped)
-    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
+    assert makes_stairs(base, EFFECTS, EMPTY)
     found = extend(base, "static_friction")
     before, after = score_fit(base, holdout), score_fit(found, holdout)
     assert after.misfit < 0.25 * before.misfit
@@ -58,9 +62,7 @@ def test_stick_slip_is_found_where_single_slips_come_early(given, sticking):
 
 
 def test_a_lag_makes_no_stairs(given):
-    assert not makes_stairs(
-        base_of(given, plant_with(31, "sensor_lag", duration=60.0)), EFFECTS, None, lambda *what: None
-    )
+    assert not makes_stairs(base_of(given, plant_with(31, "sensor_lag", duration=60.0)), EFFECTS, EMPTY)
 
 
 def test_a_reading_in_coarse_steps_makes_no_stairs(given, quiet):
@@ -68,7 +70,7 @@ def test_a_reading_in_coarse_steps_makes_no_stairs(given, quiet):
     stepped = replace(quiet, position=np.round(quiet.position / step) * step)
     (judged,) = with_stairs([stepped], base_of(given, stepped))
     assert math.isfinite(judged.reach)
-    assert not makes_stairs(base_of(given, judged), EFFECTS, None, lambda *what: None)
+    assert not makes_stairs(base_of(given, judged), EFFECTS, EMPTY)
 
 
 def test_a_valve_without_effect_keeps_its_squares(given, quiet):
@@ -296,12 +298,12 @@ def test_two_effects_beside_which_stairs_showed_are_kept_and_spare_a_search_wher
     holdout, first = hold_out([sticking], kept=0), Candidate(("coil_lag",), base, score_of(*[90.0] * 6))
     known = []
 
-    def first_again(base, holdout, library, pool, progress, pairs=()):
+    def first_again(base, workshop, library, pairs=()):
         known.extend(pairs)
         return [base, first, *pairs], None
 
     monkeypatch.setattr(searching, "try_first", first_again)
-    found, together = searching.try_first_again(tried, tried[0], holdout, [], None, lambda *_: None)
+    found, together = searching.try_first_again(tried, tried[0], Workshop(holdout), [])
     assert together is None
     again = [("load_force", "static_friction"), ("load_force", "stribeck"), ("static_friction",)]
     assert [each.effects for each in known] == again * is_known

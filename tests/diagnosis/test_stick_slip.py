@@ -10,6 +10,7 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
 from diagnosis.stairs import REACH, makes_stairs
+from diagnosis.workshop import Workshop
 from identification.breakaway import Breakaways, breakaways_of, line_through
 from identification.experiment import experiment_of
 from identification.extension import Extension, extend, forms_of, slips_by
@@ -20,6 +21,9 @@ from identification.stick_slip import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
+
+EMPTY = Workshop(None)
+"""Without a record, and all alone."""
 
 NOISE = 1e-4
 
@@ -102,7 +106,7 @@ def test_the_breakaway_force_stays_while_the_slips_change(falling):
 
 def test_falling_friction_is_explained(falling):
     plant, holdout, base = falling
-    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
+    assert makes_stairs(base, EFFECTS, EMPTY)
     found = extend(base, "stribeck")
     before, after = score_fit(base, holdout), score_fit(found, holdout)
     assert before.misfit > 20.0
@@ -122,7 +126,7 @@ def test_a_measured_pressure_tells_the_gap_whatever_the_stem_does(given):
 
 def test_static_friction_of_bonds_is_explained(sticking):
     _, holdout, base = sticking
-    assert makes_stairs(base, EFFECTS, None, lambda *what: None)
+    assert makes_stairs(base, EFFECTS, EMPTY)
     before, after = score_fit(base, holdout), score_fit(extend(base, "static_friction"), holdout)
     assert after.misfit < 0.4 * before.misfit
 
