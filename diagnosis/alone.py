@@ -41,8 +41,8 @@ from diagnosis.trying import Candidate, Work, glances, sharpen_all, try_all, try
 from diagnosis.workshop import Workshop
 from identification.bent_lines import straight_line
 from identification.experiment import are_loops
-from identification.extension import Glance
 from identification.fit import Fit
+from identification.glance import Glance
 from identification.hints import begins_at_periods
 from identification.holdout import Holdout
 from identification.screening import LITTLE_LEFT

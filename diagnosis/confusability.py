@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from identification.fit import Fit
-from identification.screening import joined
+from identification.joining import joined
 from valvemodel.declarations import Effect, Parameter
 from valvemodel.stages import EFFECTS
 

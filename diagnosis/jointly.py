@@ -13,9 +13,9 @@ from diagnosis.trying import Candidate, scored
 from diagnosis.workshop import Workshop
 from identification.fit import Fit, finished
 from identification.holdout import Holdout
+from identification.joining import released
 from identification.pairs import Trace, begun, promising_pairs, traces_of
 from identification.problem import Problem
-from identification.screening import released
 from identification.search import Found, Start, descend_roughly, descend_to_end
 from valvemodel.effects import effect_of_key
 

@@ -10,7 +10,7 @@ from diagnosis.rivals import short_of_noise
 from diagnosis.standing import best_of, is_blunt, is_near_noise, values_alone, with_better
 from diagnosis.trying import Candidate, Work, sharpen_all, try_all
 from diagnosis.workshop import Workshop
-from identification.screening import is_sluggish
+from identification.sluggishness import is_sluggish
 from valvemodel.effects import effect_of_key
 
 FAR_TOO_MUCH = 3.0

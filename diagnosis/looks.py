@@ -11,8 +11,8 @@ from diagnosis.trying import Work
 from diagnosis.workshop import Workshop
 from identification.bent_lines import BentLine
 from identification.breakaway import Line
-from identification.extension import slips_beside, slips_by
 from identification.fit import Fit
+from identification.slip_laws import slips_beside, slips_by
 from identification.stick_slip import SlipSearch, form_of, let_loose, noise_at_rests, worth_loosening
 from valvemodel.declarations import Form
 from valvemodel.effects import effect_of_key

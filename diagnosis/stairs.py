@@ -12,9 +12,10 @@ from diagnosis.standing import best_of
 from diagnosis.trying import Candidate
 from diagnosis.workshop import Workshop
 from identification.experiment import Experiment
-from identification.extension import Extension, extend, slips_by
+from identification.extension import Extension, extend
 from identification.fit import Fit
 from identification.holdout import Holdout
+from identification.slip_laws import slips_by
 from identification.staircase import stops_on_the_way
 from identification.stick_slip import REACH
 from valvemodel.declarations import Effect

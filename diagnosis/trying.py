@@ -15,8 +15,9 @@ import numpy as np
 from diagnosis.score import Score, score_fit
 from diagnosis.workshop import Workshop
 from identification.cores import begun
-from identification.extension import Extension, Glance, continued, extend, extend_from, glanced, slips_asked
+from identification.extension import Extension, continued, extend, extend_from, slips_asked
 from identification.fit import Fit
+from identification.glance import Glance, glanced
 from identification.holdout import Holdout
 from identification.reduction import reduced
 from identification.restart import begun_again

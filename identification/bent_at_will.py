@@ -10,9 +10,10 @@ from threadpoolctl import threadpool_limits
 from identification.bent_lines import ANSWER, BentLine
 from identification.breakaway import FAR, TO_THE_MIDDLE, Breakaways, Line, counted, slopes_of
 from identification.fit import Fit
+from identification.joining import joined
 from identification.load_series import series_over, sizes_of
 from identification.ridge import FOLDS
-from identification.screening import beside_own, joined
+from identification.screening import beside_own
 from valvemodel.declarations import Effect
 
 SOLVED, NONE = 3, 0.03

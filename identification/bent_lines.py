@@ -10,8 +10,10 @@ from threadpoolctl import threadpool_limits
 
 from identification.breakaway import LIES_ON, Line, breakaways_of, counted, line_through, roamed, slopes_of
 from identification.fit import Fit, finished
+from identification.hints import SHRUNK, resized
+from identification.joining import as_given, joined
 from identification.problem import Problem
-from identification.screening import SHRUNK, as_given, joined, resized, starts_on
+from identification.screening import starts_on
 from identification.search import Found, Start, errors
 from identification.stick_slip import HIDES_THE_LINE, SHAPES_SLIPS
 from valvemodel.declarations import Effect

@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from identification.fit import Fit
-from identification.screening import Trial, joined, starts_on
+from identification.joining import joined
+from identification.screening import Trial, starts_on
 from identification.search import Start, descend, errors
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key, is_jagged

@@ -39,6 +39,9 @@ which a clock may be off."""
 LOWEST_WAVES, HALF_WAVE, QUARTER_WAVE = 16.0, 0.5, 0.25
 """Waves in a record up to which all periods are tried, and their distance; and that about the strongest periods."""
 
+SHRUNK = 0.1
+"""Share of a start's size that is tried where the start itself leads away from the fit."""
+
 Residuals = list[np.ndarray]
 
 
@@ -83,6 +86,15 @@ def other_forms(effect: Effect, values: Mapping[str, float]) -> list[dict[str, f
     }
     made = ({**values, **loosened, **form} for form in forms)
     return [each for each in made if effect.form_at(each) != effect.form_at(values)]
+
+
+def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:
+    """Return a start of an effect at so many times its size, within its bounds; the numbers that are no sizes stay."""
+    return dict(start) | {
+        each.name: min(max(each.neutral + share * (start[each.name] - each.neutral), each.low), each.high)
+        for each in effect.free_at(start)
+        if each.is_size and math.isfinite(start[each.name])
+    }
 
 
 def _choices(parameter: Parameter, experiments: list[Experiment], residuals: Residuals) -> list[float]:

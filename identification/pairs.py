@@ -10,18 +10,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit
-from identification.hints import begins_at_periods
+from identification.hints import begins_at_periods, resized
+from identification.joining import joined
 from identification.problem import Problem
-from identification.screening import (
-    answered,
-    beside_own,
-    change_of,
-    joined,
-    resized,
-    starts_on,
-    traded,
-    waves,
-)
+from identification.screening import answered, beside_own, change_of, starts_on, waves
+from identification.sluggishness import traded
 from valvemodel.declarations import Effect, Form
 from valvemodel.effects import effect_of_key
 

@@ -7,7 +7,7 @@ import math
 from threadpoolctl import threadpool_limits
 
 from identification.fit import Fit, finished
-from identification.screening import as_given
+from identification.joining import as_given
 from identification.search import descend_to_end
 
 MASS = "stem_mass"

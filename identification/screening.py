@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from identification.experiment import are_loops
 from identification.fit import Fit
 from identification.hints import begins_at_periods, is_periodic, nearby, starts_of
+from identification.joining import joined
 from identification.load_series import series_over, sizes_of
 from identification.problem import Problem
 from identification.search import errors, roam_over
 from identification.uncertainty import blocks_of
-from identification.unknowns import base_unknowns, effect_unknowns, freed_by
-from valvemodel.declarations import Effect, Form
+from valvemodel.declarations import Effect
 
 LITTLE_LEFT = 1.1
 """Error of a fit, over that of the noise, below which what starts promise by slopes is all that they can gain."""
@@ -29,15 +27,6 @@ TRIED_FORCE = 0.25
 
 SIZE, GENERATIONS = 8, 25
 """Points of a global search for each number of an effect, and generations."""
-
-SHRUNK = 0.1
-"""Share of a start's size that is tried where the start itself leads away from the fit."""
-
-TOO_MUCH = 1.5
-"""Viscous friction of a fit, over that which was given, from which it may stand in for a lag."""
-
-LIVELY = {"viscous_friction": -0.4, "stem_mass": 0.3}
-"""Powers of e by which viscous friction and mass are off what was given in a stem that overshoots."""
 
 KEPT_PERIODS = 3
 """Periods at which a periodic effect promises most alone."""
@@ -183,103 +172,6 @@ def changes_by(
     """Return how an effect at each of some starts changes the residuals of a fit, shape (r, starts)."""
     begun = [joined(fit.problem, fit.found.point, effect, start) for start in starts]
     return np.array([change_of(each.residuals(point[None, :])[0], left, basis) for each, point in begun]).T
-
-
-def joined(problem: Problem, point: np.ndarray, effect: Effect, start: dict[str, float]) -> tuple[Problem, np.ndarray]:
-    """Return the problem with an effect's unknowns added, and its scaled point at a start of theirs, within bounds."""
-    start = effect.within_bounds(start)
-    added = effect_unknowns(effect.key, start, of_loops=are_loops(problem.experiments))
-    extended = replace(
-        problem,
-        model=problem.model.with_effect(effect.key, **start),
-        is_anchored=problem.is_anchored or effect.is_chaotic,
-        unknowns=[*problem.unknowns, *added],
-    )
-    scaled = np.array([unknown.scaled(start[unknown.name]) for unknown in added])
-    return extended, np.concatenate([point, scaled])
-
-
-def released(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
-    """Return a problem with the base parameters that its effects free among the unknowns, and its scaled point.
-
-    They start as they were given. Where nothing is to be released both are as they were.
-    """
-    names = freed_by(problem.model.effects, with_pressure=problem.has_pressure)
-    names.difference_update(unknown.name for unknown in problem.unknowns)
-    freed = [unknown for unknown in base_unknowns(problem.model) if unknown.name in names]
-    if not freed:
-        return problem, point
-    scaled = [unknown.scaled(problem.model.values[unknown.name]) for unknown in freed]
-    return replace(problem, unknowns=[*problem.unknowns, *freed]), np.concatenate([point, scaled])
-
-
-def withheld(problem: Problem, point: np.ndarray) -> tuple[Problem, np.ndarray]:
-    """Return a problem with the base parameters that its effects free as they were given, and its scaled point."""
-    freed = freed_by(problem.model.effects, with_pressure=problem.has_pressure)
-    kept = [number for number, unknown in enumerate(problem.unknowns) if unknown.name not in freed]
-    return replace(problem, unknowns=[problem.unknowns[number] for number in kept]), point[kept]
-
-
-def as_given(fit: Fit, point: np.ndarray) -> np.ndarray:
-    """Return a scaled point with the base valve's numbers as they were given: those refitted without an effect mislead.
-
-    Parameters
-    ----------
-    fit : Fit
-        Without the effect; its unknowns come first in the point.
-    point : array, shape (unknowns,)
-    """
-    given = point.copy()
-    for number, unknown in enumerate(fit.unknowns):
-        if unknown.name in fit.model.values:
-            given[number] = 0.0
-    return given
-
-
-def traded(fit: Fit, effect: Effect, forms: Iterable[Form]) -> list[tuple[dict[str, float], np.ndarray]]:
-    """Return where an effect that lags, in each of some forms, takes over what the base valve has too much of.
-
-    A fit without the lag has viscous friction and mass in its place: a lag of time T delays a stem as T k more viscous
-    friction does. From such a base valve a search ends beside a lag that is too short, and from one so sluggish that it
-    overshoots nowhere beside a mass that is too small: the start is `LIVELY`.
-
-    Returns
-    -------
-    list of (values, move)
-        Values of the effect's parameters, of which what is neither a lag nor of the form is neutral [SI]; and by how
-        much the fit's unknowns move with it, scaled, shape (unknowns,): viscous friction and mass to about what was
-        given. Empty where the effect does not lag, or the fit has no such friction to spare.
-    """
-    lags = [each for each in effect.fitted if each.is_lag]
-    numbers = {unknown.name: number for number, unknown in enumerate(fit.unknowns)}
-    if not lags or "spring_rate" not in numbers or not is_sluggish(fit, TOO_MUCH):
-        return []
-    friction, stiffness = numbers["viscous_friction"], numbers["spring_rate"]
-    excess, unknown = fit.found.point[friction], fit.unknowns[friction]
-    rate = fit.unknowns[stiffness].value(fit.found.point[stiffness])
-    time = float((unknown.value(excess) - unknown.value(LIVELY["viscous_friction"])) / rate)
-    values = {each.name: each.neutral for each in effect.parameters}
-    values |= {each.name: min(max(time, each.low), each.high) for each in lags}
-    move = np.zeros(len(fit.found.point))
-    for name, number in numbers.items():
-        if name in LIVELY:
-            move[number] = LIVELY[name] - fit.found.point[number]
-    return [(values | dict(form), move) for form in forms]
-
-
-def is_sluggish(fit: Fit, times: float) -> bool:
-    """Return whether a fit has so many times the viscous friction that was given, or more."""
-    found = zip(fit.found.point, fit.unknowns, strict=True)
-    return any(unknown.name == "viscous_friction" and at >= math.log(times) for at, unknown in found)
-
-
-def resized(effect: Effect, start: Mapping[str, float], share: float) -> dict[str, float]:
-    """Return a start of an effect at so many times its size, within its bounds; the numbers that are no sizes stay."""
-    return dict(start) | {
-        each.name: min(max(each.neutral + share * (start[each.name] - each.neutral), each.low), each.high)
-        for each in effect.free_at(start)
-        if each.is_size and math.isfinite(start[each.name])
-    }
 
 
 def starts_on(fit: Fit, effect: Effect) -> list[dict[str, float]]:

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.experiment import Experiment
-from identification.extension import KEPT_STARTS, alike
 from identification.fit import Fit, Masks, base_and_start_unknowns, finished, measured
+from identification.following import KEPT_STARTS
+from identification.forms import alike
+from identification.joining import released
 from identification.problem import Problem
-from identification.screening import released, screened
+from identification.screening import screened
 from identification.search import Found, descend
 from identification.smooth_fit.descent import WIDTHS, descend_smooth, narrowed, narrowed_by_shooting
 from identification.smooth_fit.guess import guessed

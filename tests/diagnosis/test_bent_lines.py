@@ -23,13 +23,14 @@ from identification.bent_at_will import bent_at_will
 from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
 from identification.breakaway import breakaways_of, counted, line_through, roamed
 from identification.experiment import experiment_of
-from identification.extension import Extension, extend, slips_beside, slips_by
+from identification.extension import Extension, extend
 from identification.fit import Fit, fit_base
 from identification.hints import coarse_step
 from identification.holdout import hold_out
 from identification.rests import rests_of
 from identification.search import errors
 from identification.sharpening import sharpened
+from identification.slip_laws import slips_beside, slips_by
 from identification.stick_slip import line_of_stairs
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key

@@ -23,7 +23,7 @@ from diagnosis.standing import (
 )
 from diagnosis.trying import Candidate, Work
 from diagnosis.workshop import Workshop
-from identification.extension import Glance
+from identification.glance import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
 EMPTY = Workshop(None)

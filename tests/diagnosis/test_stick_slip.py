@@ -13,10 +13,11 @@ from diagnosis.stairs import REACH, makes_stairs
 from diagnosis.workshop import Workshop
 from identification.breakaway import Breakaways, breakaways_of, line_through
 from identification.experiment import experiment_of
-from identification.extension import Extension, extend, forms_of, slips_by
+from identification.extension import Extension, extend
 from identification.fit import fit_base
 from identification.holdout import hold_out
 from identification.rests import Rest, put_on_rests, rests_of
+from identification.slip_laws import forms_of, slips_by
 from identification.stick_slip import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record

@@ -10,7 +10,7 @@ from diagnosis import trying
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.trials.plan import seeds_of
 from diagnosis.trying import Work, try_anew, try_effect
-from identification import extension
+from identification import following
 from identification.experiment import experiment_of
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
@@ -51,7 +51,7 @@ def test_a_form_that_is_wrong_alone_is_left_beside_the_other_effect(given):
 
 def test_from_every_start_a_side_minimum_is_left(given, monkeypatch):
     # Damped more on the way up, where the two starts that promise most lead down.
-    monkeypatch.setattr(extension, "of_another_side", lambda *_: [])
+    monkeypatch.setattr(following, "of_another_side", lambda *_: [])
     key = "asymmetric_viscous_friction"
     base, holdout = base_of(given, 3010, 13, key)
     few = try_effect(Work(base, (key,), is_global=False), holdout)

@@ -4,7 +4,7 @@ import pytest
 from blind_fits import fits_to_plant
 
 from identification.fit import finished
-from identification.screening import joined
+from identification.joining import joined
 from identification.search import descend_to_end
 from valvemodel.effects import effect_of_key
 

@@ -8,9 +8,10 @@ from blind_fits import fits_to_plant
 
 from diagnosis.trying import freedom_of
 from identification.extension import extend
+from identification.joining import joined
 from identification.pressures import LIGHT, pressures_at_rest, with_pressures_of
 from identification.reduction import reduced
-from identification.screening import joined, screened
+from identification.screening import screened
 from identification.search import Slopes, descend, descend_to_end
 from valvemodel.effects import effect_of_key
 

@@ -10,7 +10,7 @@ import pytest
 from identification.compensation import compensated, compensated_trials, is_compensated
 from identification.extension import extend, extend_from
 from identification.fit import Fit
-from identification.screening import joined
+from identification.joining import joined
 from identification.search import errors
 from tests.identification.blind_fits import base_of_plant
 from valvemodel.effects import effect_of_key

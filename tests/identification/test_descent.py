@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant
 
+from identification.joining import joined
 from identification.problem import DIFFERENCE, ROUGH_TOLERANCE, SEARCH_TOLERANCE, Problem
-from identification.screening import joined
 from identification.search import (
     END_EVALUATIONS,
     END_PRECISION,

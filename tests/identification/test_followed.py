@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from identification import extension
-from identification.extension import HOPELESS, IN_REACH, Trial, best_descended, hopeless_from, starts_from
+from identification import extension, following
+from identification.following import HOPELESS, IN_REACH, best_descended, hopeless_from, starts_from
+from identification.screening import Trial
 from identification.search import Found
 from valvemodel.effects import effect_of_key
 
@@ -36,7 +37,7 @@ def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, h
         return Found(point, float(point[0]) - (2.0 if evaluations == 10 else 0.0))
 
     for search in ("descend", "descend_roughly"):
-        monkeypatch.setattr(extension, search, descend)
+        monkeypatch.setattr(following, search, descend)
     starts = [("far", np.array([4.0])), ("near", np.array([3.0]))]
     problem, best = best_descended(starts, first=6, further=10, precision=1e-3, hopeless=hopeless)
     assert (problem, best.error) == ("near", 1.0 if len(asked) == 3 else 3.0)
@@ -52,10 +53,10 @@ def test_the_best_start_is_followed_further_unless_it_is_hopeless(monkeypatch, h
     ],
 )
 def test_the_valve_as_given_is_a_start_alone_or_where_the_mass_is_far_off(monkeypatch, beside, is_off, expected):
-    monkeypatch.setattr(extension, "as_given", lambda fit, point: -point)
-    monkeypatch.setattr(extension, "is_far_off", lambda fit: is_off)
+    monkeypatch.setattr(following, "as_given", lambda fit, point: -point)
+    monkeypatch.setattr(following, "is_far_off", lambda fit: is_off)
     for choice in ("of_another_form", "of_another_side", "starts_traded", "form_of"):
-        monkeypatch.setattr(extension, choice, lambda *_: [])
+        monkeypatch.setattr(following, choice, lambda *_: [])
     group = [Trial("problem", np.array([place]), 0.0) for place in (1.0, 2.0, 3.0)]
     starts = starts_from(fit_of(900.0, *beside), effect_of_key("spring_hardening"), group)
     assert [point[0] for _, point in starts] == expected
@@ -67,10 +68,10 @@ def test_the_valve_as_given_is_a_start_alone_or_where_the_mass_is_far_off(monkey
 )
 def test_where_a_lag_takes_over_from_slips_that_last_is_searched_about(monkeypatch, beside, expected):
     for choice in ("of_another_form", "of_another_side", "form_of"):
-        monkeypatch.setattr(extension, choice, lambda *_: [])
-    monkeypatch.setattr(extension, "is_far_off", lambda fit: False)
-    monkeypatch.setattr(extension, "starts_traded", lambda *_: [("traded", np.array([5.0]))])
-    monkeypatch.setattr(extension, "searched_from", lambda problem, point: (problem, point + 2.0))
+        monkeypatch.setattr(following, choice, lambda *_: [])
+    monkeypatch.setattr(following, "is_far_off", lambda fit: False)
+    monkeypatch.setattr(following, "starts_traded", lambda *_: [("traded", np.array([5.0]))])
+    monkeypatch.setattr(following, "searched_from", lambda problem, point: (problem, point + 2.0))
     group = [Trial("problem", np.array([1.0]), 0.0)]
     starts = starts_from(fit_of(900.0, beside), effect_of_key("sensor_lag"), group)
     assert [point[0] for _, point in starts] == expected

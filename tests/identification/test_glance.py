@@ -4,7 +4,8 @@ import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
 from identification import extension
-from identification.extension import GLANCE, continued, extend, glanced
+from identification.extension import continued, extend
+from identification.glance import GLANCE, glanced
 from identification.search import descend_roughly
 
 
@@ -46,7 +47,7 @@ def test_a_glance_takes_few_points(tmp_path, monkeypatch):
     _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
     asked = []
     monkeypatch.setattr(
-        "identification.extension.descend_roughly",
+        "identification.following.descend_roughly",
         lambda *given, evaluations, **named: (
             asked.append(evaluations) or descend_roughly(*given, evaluations=evaluations, **named)
         ),

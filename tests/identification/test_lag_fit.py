@@ -10,8 +10,9 @@ from blind_fits import base_of_plant, fits_to_plant
 from identification.extension import Extension, extend, extend_from
 from identification.pairs import traces_of
 from identification.restart import begun_again
-from identification.screening import screened, traded
+from identification.screening import screened
 from identification.search import Found
+from identification.sluggishness import traded
 from identification.unknowns import Unknown
 from valvemodel.effects import effect_of_key
 

@@ -9,10 +9,12 @@ from diagnosis.blindtest.chain.stem import load_force
 from diagnosis.blindtest.plants import draw_plant, measure, write_record
 from diagnosis.trying import SERIES, freedom_of
 from identification.display import determined_lines, parameter_table
-from identification.extension import adds_series, extend
+from identification.extension import extend
+from identification.forms import adds_series
+from identification.joining import joined
 from identification.load_series import series_over, sizes_of
 from identification.outcome import fit_records
-from identification.screening import joined, screened
+from identification.screening import screened
 from identification.uncertainty import blocks_of
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model

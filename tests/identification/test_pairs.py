@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant
 
+from identification.hints import resized
 from identification.pairs import FORMS, LARGEST, Trace, begun, promising_pairs, traces_of
-from identification.screening import resized
 from identification.search import errors
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from identification.experiment import Experiment, simulate_rows
+from identification.joining import joined
 from identification.problem import LOST, SEARCH_TOLERANCE, Problem
-from identification.screening import joined
 from identification.search import Slopes, Turned
 from identification.unknowns import base_unknowns
 from valvemodel import simulate

@@ -8,8 +8,8 @@ from diagnosis.blindtest.plants import Plant, measure
 from diagnosis.blindtest.truth import Truth
 from identification.extension import extend
 from identification.fit import finished
+from identification.joining import joined
 from identification.restart import begun_again, is_far_off
-from identification.screening import joined
 from identification.search import descend
 from valvemodel.effects import effect_of_key
 

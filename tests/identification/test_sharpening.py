@@ -9,7 +9,7 @@ from blind_fits import fits_to_plant
 
 from identification import sharpening
 from identification.fit import finished
-from identification.screening import joined
+from identification.joining import joined
 from identification.search import Found, descend_to_end
 from valvemodel.effects import effect_of_key
 

@@ -7,7 +7,7 @@ import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
 from identification.fit import Fit, simulate_model
-from identification.screening import joined
+from identification.joining import joined
 from identification.search import descend
 from valvemodel.effects import effect_of_key
 
