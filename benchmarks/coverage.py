@@ -56,7 +56,7 @@ def try_once(seed: int, effects: tuple[str, ...]) -> Trial:
     """Make a plant by the independent route, record it, fit it from the nominal valve, and compare."""
     from diagnosis.blindtest.profiles import draw_profile
     from diagnosis.blindtest.valve import draw_base, integrate
-    from identification.outcome import fit_records
+    from identification.fitting import fit_records
     from valvemodel.model import Model
     from valvemodel.records import Record
     from valvemodel.valves import read_valve

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from valvemodel.doors import door
 
 if TYPE_CHECKING:
-    from identification.outcome import Outcome, fit_records
+    from identification.fitting import fit_records
+    from identification.outcome import Outcome
 
-_HOMES = {"Outcome": "identification.outcome", "fit_records": "identification.outcome"}
+_HOMES = {"Outcome": "identification.outcome", "fit_records": "identification.fitting"}
 
 __all__ = ["Outcome", "fit_records"]
 

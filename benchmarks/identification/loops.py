@@ -58,7 +58,7 @@ def true_shape(base: dict[str, float], position: float) -> dict[str, float]:
 def score_loops(repetitions: int, tick: Callable[[], None]) -> dict[str, Any]:
     """Fit noisy loops of independent plants; return by name rms and greatest error, and how many are within 1 %."""
     from diagnosis.blindtest.valve import NOMINAL, draw_base
-    from identification.outcome import fit_records
+    from identification.fitting import fit_records
     from valvemodel.model import Model
     from valvemodel.records import Record
     from valvemodel.valves import read_valve

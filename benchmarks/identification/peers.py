@@ -30,7 +30,7 @@ STARTS = 20
 
 def toolkit(time: Array, current: Array, position: Array, start: Model) -> Values:
     """valvemodel, exact route."""
-    from identification.outcome import fit_records
+    from identification.fitting import fit_records
     from valvemodel.records import Record
 
     record = Record.from_arrays(time=time, current=current, position=position)

@@ -13,8 +13,8 @@ from diagnosis.score import score_fit
 from diagnosis.stage_gaps import front_of
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base, fitted_to_all, measured
+from identification.fitting import fit_records
 from identification.holdout import hold_out
-from identification.outcome import fit_records
 from identification.smooth_fit.residuals import SmoothResiduals
 from identification.timing import experiments_of
 from identification.uncertainty import blocks_of

@@ -8,7 +8,8 @@ import pytest
 from diagnosis.diagnosing import diagnose
 from identification.adequacy import clipped_readings, turns, without_clipped
 from identification.experiment import experiment_of
-from identification.outcome import Outcome, fit_records
+from identification.fitting import fit_records
+from identification.outcome import Outcome
 from identification.timing import experiments_of
 from valvemodel.errors import InputError
 from valvemodel.model import Model

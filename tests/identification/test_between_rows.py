@@ -25,7 +25,7 @@ from identification.driving.between_rows import (
 )
 from identification.experiment import Experiment, score_rows, simulate_rows
 from identification.fit import Fit, fit_base
-from identification.outcome import fit_records
+from identification.fitting import fit_records
 from identification.problem import SEARCH_TOLERANCE
 from identification.timing import END_OF_PERIOD, are_read_at_end, experiments_of
 from valvemodel.model import Model

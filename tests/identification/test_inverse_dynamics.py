@@ -11,6 +11,7 @@ import numpy as np
 import polars
 import pytest
 
+from identification.fitting import fit_records
 from identification.inverse_dynamics import (
     Preprocessing,
     diagnose_stem,
@@ -18,7 +19,6 @@ from identification.inverse_dynamics import (
     prepare_signals,
     stem_candidates,
 )
-from identification.outcome import fit_records
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records.record import Record

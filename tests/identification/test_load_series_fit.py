@@ -10,10 +10,10 @@ from diagnosis.blindtest.plants import draw_plant, measure, write_record
 from diagnosis.trying import SERIES, freedom_of
 from identification.display import determined_lines, parameter_table
 from identification.extension import extend
+from identification.fitting import fit_records
 from identification.forms import adds_series
 from identification.joining import joined
 from identification.load_series import series_over, sizes_of
-from identification.outcome import fit_records
 from identification.screening import screened
 from identification.uncertainty import blocks_of
 from valvemodel.effects import effect_of_key

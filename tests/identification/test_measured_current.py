@@ -13,7 +13,7 @@ from diagnosis.blindtest.valve import integrate
 from identification.driving.measured_current import as_set, error_of_current, may_be_noisy, said_of_current
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base
-from identification.outcome import fit_records
+from identification.fitting import fit_records
 from identification.timing import experiments_of
 from valvemodel.model import Model
 from valvemodel.records import Record

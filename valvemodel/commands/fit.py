@@ -103,7 +103,7 @@ def fit(
     in proportion to what. The residuals are checked: a test that fails says where the model is not the valve.
     """
     check_folder(out)
-    from identification.outcome import fit_records
+    from identification.fitting import fit_records
     from valvemodel.effects import effect_of_key
 
     model, rated_travel = base_given(valve, model_file)
