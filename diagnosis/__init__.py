@@ -8,9 +8,14 @@ from valvemodel.doors import door
 
 if TYPE_CHECKING:
     from diagnosis.by_kind import diagnose
-    from diagnosis.diagnosing import Cause, Diagnosis
+    from diagnosis.causes import Cause
+    from diagnosis.valve_diagnosis import Diagnosis
 
-_HOMES = {"Cause": "diagnosis.diagnosing", "Diagnosis": "diagnosis.diagnosing", "diagnose": "diagnosis.by_kind"}
+_HOMES = {
+    "Cause": "diagnosis.causes",
+    "Diagnosis": "diagnosis.valve_diagnosis",
+    "diagnose": "diagnosis.by_kind",
+}
 
 __all__ = ["Cause", "Diagnosis", "diagnose"]
 

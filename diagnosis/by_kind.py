@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from diagnosis.diagnosing import Diagnosis
 from diagnosis.diagnosing import diagnose as diagnose_valve
+from diagnosis.valve_diagnosis import Diagnosis
 from diagnosis.workshop import Progress, tell_nobody
 from valvemodel.errors import InputError
 from valvemodel.model import Model

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.diagnosing import Diagnosis
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
 from diagnosis.trying import Candidate
+from diagnosis.valve_diagnosis import Diagnosis
 from diagnosis.workshop import Progress, tell_nobody
 from identification.experiment import Experiment
 from valvemodel.records import write_table

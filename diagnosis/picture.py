@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from diagnosis.diagnosing import Cause, Diagnosis
+from diagnosis.causes import Cause
 from diagnosis.report import Evidence, Rank, RecordEvidence, Step
+from diagnosis.valve_diagnosis import Diagnosis
 from identification.experiment import Experiment
 from identification.fit import simulate_model
 from valvemodel.effects import effect_of_key

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from diagnosis.diagnosing import Cause, content_of
+from diagnosis.causes import Cause, content_of, steps_of
 from diagnosis.display import Told
 from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
@@ -220,6 +220,7 @@ def diagnose_stem_records(
     base, base_notes = model_of(scored.fits[()], model, joined.names[0])
     found, found_notes = model_of(scored.fits[best.effects], model, joined.names[0])
     as_given = root_mean_square(nominal_residual(joined.signals, model.values)[joined.is_scored])
+    left = [(cause.effects, cause.errors.rms) for cause in scored.causes]
     refitted = next(cause.errors for cause in scored.causes if not cause.effects)
     notes = [warning for record in records for warning in record.warnings]
     notes += [*base_notes, *found_notes, *notes_on(diagnosis, joined, model, as_given)]
@@ -240,7 +241,7 @@ def diagnose_stem_records(
         base_fit=scored.fits[()],
         found_fit=scored.fits[best.effects],
         joined=joined,
-        steps=steps_of_causes(as_given, scored.causes, scored.floor),
+        steps=steps_of(as_given, left, best.effects, scored.floor),
         warnings=tuple(dict.fromkeys(notes)),
         seconds=time.perf_counter() - began,
     )
@@ -521,17 +522,6 @@ def regimes_of_rows(joined: Joined, residual: np.ndarray) -> list[Regime]:
             share = float(np.sum(residual[mask] ** 2)) / whole
             found.append(Regime(name, words[name], root_mean_square(residual[mask]), share, float(mask.mean())))
     return sorted(found, key=lambda regime: -regime.rms)
-
-
-def steps_of_causes(as_given: float, causes: Sequence[Cause], floor: float) -> list[tuple[str, float]]:
-    """Return the gap step by step: as given, base refitted, each effect added, noise floor. [N]"""
-    rms = {frozenset(cause.effects): cause.errors.rms for cause in causes}
-    steps = [("as given", as_given), ("base refitted", rms[frozenset()])]
-    best = causes[0].effects
-    for count in range(1, len(best) + 1):
-        if (part := frozenset(best[:count])) in rms:
-            steps.append((f"+ {effect_of_key(best[count - 1]).title}", rms[part]))
-    return [*steps, ("noise floor", floor)]
 
 
 def evidence_of(diagnosis: StemOnlyDiagnosis) -> Evidence:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import Truth, draw_plant, measure
-from diagnosis.diagnosing import Diagnosis, diagnose, errors_as_given, said_of_given
+from diagnosis.diagnosing import diagnose, errors_as_given, said_of_given
 from diagnosis.regimes import regimes_of
 from diagnosis.score import closed_share, persistence_of
+from diagnosis.valve_diagnosis import Diagnosis
 from identification.experiment import experiment_of
 from identification.holdout import hold_out
 from identification.regimes import masks_of, time_since_reversal

@@ -11,7 +11,7 @@ import pytest
 
 from diagnosis import searching
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.diagnosing import order_of, verdict_of, yardstick_of
+from diagnosis.finding import order_of, verdict_of, yardstick_of
 from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
 from diagnosis.score import Errors, Score, score_fit
 from diagnosis.stairs import makes_stairs, stairs_beside, with_stairs
