@@ -1,16 +1,13 @@
-"""Causes as every diagnosis tells them, of a whole valve or of its stem alone: which, where, how sure, how far."""
+"""Causes as every diagnosis tells them, and the gap that shrinks with them step by step."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
-from diagnosis.regimes import Regime
 from diagnosis.score import Errors
 from valvemodel.effects import effect_of_key
-
-SCHEMA = "valvemodel.diagnosis/1"
 
 
 @dataclass(frozen=True)
@@ -42,38 +39,6 @@ class Cause:
             "indistinguishable_from": [list(rival) for rival in self.rivals],
             "may_hide_beside": self.hiding,
         }
-
-
-class Judged(Protocol):
-    """What every diagnosis says, of a whole valve or of its stem alone."""
-
-    @property
-    def verdict(self) -> str: ...
-    @property
-    def stage(self) -> str | None: ...
-    @property
-    def stage_probability(self) -> dict[str, float]: ...
-    @property
-    def regimes(self) -> list[Regime]: ...
-    @property
-    def causes(self) -> list[Cause]: ...
-    @property
-    def unknown_probability(self) -> float: ...
-
-
-def content_of(judged: Judged) -> dict[str, Any]:
-    """Return the part of diagnosis.json that says which, where and how sure."""
-    return {
-        "schema": SCHEMA,
-        "verdict": judged.verdict,
-        "where": {
-            "stage": judged.stage,
-            "stage_probability": judged.stage_probability,
-            "regimes": [asdict(regime) for regime in judged.regimes],
-        },
-        "causes": [cause.as_json() for cause in judged.causes],
-        "unknown_probability": judged.unknown_probability,
-    }
 
 
 def steps_of(

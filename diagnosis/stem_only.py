@@ -2,70 +2,30 @@
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from diagnosis.causes import Cause, content_of, steps_of
-from diagnosis.display import Told
-from diagnosis.regimes import Regime
-from diagnosis.score import Errors, closed_interval, closed_share, persistence_of
+from diagnosis.causes import steps_of
+from diagnosis.stem_records import Joined, check_kind, join, prepared
+from diagnosis.stem_regimes import regimes_of_rows
+from diagnosis.stem_scoring import plain, scored_on_blocks, scored_on_other
+from diagnosis.told import Told
 from diagnosis.workshop import Progress, tell_nobody
-from identification.experiment import Experiment
-from identification.inverse_dynamics import (
-    Preprocessing,
-    ScoredCause,
-    StemDiagnosis,
-    StemFit,
-    StemSignals,
-    diagnose_stem,
-    fit_stem,
-    prepare_signals,
-)
-from identification.inverse_dynamics.diagnose import (
-    GUARD_ROWS,
-    NOTICE_RMS,
-    NOTICE_SHARE,
-    PARAMETER_PENALTY,
-    UNKNOWN_AT,
-    UNKNOWN_FROM,
-)
-from identification.inverse_dynamics.fit import blocks_of, nominal_residual, root_mean_square
-from identification.regimes import masks_of, words_of
+from identification.inverse_dynamics import StemDiagnosis, StemFit, diagnose_stem
+from identification.inverse_dynamics.fit import nominal_residual, root_mean_square
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
-from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model, check_valve
 from valvemodel.records import Record
 
 if TYPE_CHECKING:
-    from diagnosis.report import Evidence, RecordEvidence
+    from diagnosis.report import Evidence
 
 STAGE = "stem"
 """Nothing else is in a record of force and position."""
-
-LOW_SPEED, HIGH_SPEED = 0.1, 0.75
-"""Shares of the record's top speed (its 0.95 quantile) that count as near rest and as fast."""
-
-SAME_INTERVAL = 1e-3
-"""Share by which the sampling intervals of records that are laid end to end may differ."""
-
-FEWEST_SAMPLES = 10
-"""A regime with fewer samples is not listed."""
-
-NEGLIGIBLE = 1e-9
-"""Share of the base model's error below which an error is as good as none."""
-
-NOTHING_LEFT = 1e-5
-"""Share of the force below which an error is that of differentiation and no gap."""
-
-Effects = tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,43 +36,29 @@ class StemOnlyDiagnosis(Told):
     ----------
     as_given : float [N]
         Root mean square error of the given valve on the scored samples.
-    refitted : Errors [N^2]
-    floor : float [N]
     base_fit, found_fit : StemFit
         To all records: the base model, and the best cause.
     joined : Joined
         The signals of all records.
     """
 
-    verdict: str
-    stage: str | None
-    stage_probability: dict[str, float]
-    regimes: list[Regime]
-    causes: list[Cause]
-    unknown_probability: float
     as_given: float
-    refitted: Errors
-    floor: float
     scored_on: str
-    given: Model
     base: Model
     found: Model
     base_fit: StemFit
     found_fit: StemFit
     joined: Joined
-    steps: list[tuple[str, float]]
-    warnings: tuple[str, ...]
-    seconds: float
 
     @property
-    def cause(self) -> Cause:
-        """The best cause."""
-        return self.causes[0]
+    def models(self) -> dict[str, Model]:
+        """The refitted base and the found model, by the names of their files."""
+        return {"base.json": self.base, "model.json": self.found}
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
         return {
-            **content_of(self),
+            **self._content(),
             "gap": {
                 "unit": "N",
                 "as_given": self.as_given,
@@ -133,44 +79,9 @@ class StemOnlyDiagnosis(Told):
 
     def evidence(self) -> Evidence:
         """Return what the pictures show."""
-        return evidence_of(self)
+        from diagnosis.stem_picture import evidence_of_stem
 
-    def write(self, folder: Path, *, jobs: int | None = 1) -> dict[str, Path]:
-        """Write diagnosis.json, base.json, model.json and report.html, and return their places.
-
-        So many processes draw at the same time; None is one a core.
-        """
-        from diagnosis.report import write_page
-
-        folder = make_folder(folder)
-        places = {name: folder / name for name in ("diagnosis.json", "base.json", "model.json", "report.html")}
-        content = self.as_json()
-        write_json(places["diagnosis.json"], content)
-        self.base.write(places["base.json"])
-        self.found.write(places["model.json"])
-        write_page(places["report.html"], content, self.evidence(), jobs=jobs)
-        return places
-
-
-@dataclass(frozen=True, eq=False)
-class Joined:
-    """Signals of one or several records end to end, and to which record each decimated sample belongs."""
-
-    names: tuple[str, ...]
-    signals: StemSignals
-    owner: np.ndarray
-
-    @property
-    def is_scored(self) -> np.ndarray:
-        """The samples that are scored: the last record's, or of one record all, block by block in turn."""
-        return self.owner == len(self.names) - 1
-
-    @property
-    def is_fitted(self) -> np.ndarray:
-        """The samples of the other records but for those next to the last, which a filter mixes."""
-        return self.owner[np.minimum(np.arange(len(self.owner)) + GUARD_ROWS, len(self.owner) - 1)] < (
-            len(self.names) - 1
-        )
+        return evidence_of_stem(self)
 
 
 def diagnose_stem_records(
@@ -247,206 +158,6 @@ def diagnose_stem_records(
     )
 
 
-def check_kind(records: Sequence[Record]) -> None:
-    """Refuse records that are not of the stem alone."""
-    if not records:
-        raise InputError("a diagnosis takes at least one record", "got none", "name a file")
-    for record in records:
-        if record.kind != "stem":
-            raise InputError(
-                "records of the stem alone have force and position and no current",
-                f"{record.name} has a current",
-                "diagnose it apart from the records of force, or take the current out",
-            )
-
-
-def prepared(records: Sequence[Record]) -> list[StemSignals]:
-    """Return the signals of each record, all filtered and decimated as the first."""
-    first = prepare_signals(records[0])
-    same = Preprocessing(cutoff_frequency=first.cutoff_frequency, factor=first.factor)
-    found = [first]
-    for record in records[1:]:
-        if record.time is not None and abs(record.interval / first.interval - 1.0) > SAME_INTERVAL:
-            raise InputError(
-                "records of force that are diagnosed together have one sampling interval",
-                f"{record.name} has {record.interval:g} s, {records[0].name} {first.interval:g} s",
-                "resample one of them",
-            )
-        found.append(prepare_signals(record, same))
-    return found
-
-
-def join(names: Sequence[str], each: Sequence[StemSignals]) -> Joined:
-    """Lay signals end to end on one clock.
-
-    Filter and decimation are linear and treat force and regressors alike, so the balance holds across a
-    joint too.
-    """
-    factor, interval = each[0].factor, each[0].interval
-    if len(each) == 1:
-        return Joined(tuple(names), each[0], np.zeros(each[0].rows, int))
-    cut = [slice(0, factor * (len(one.time) // factor)) for one in each]
-    sizes = [part.stop for part in cut]
-
-    def laid(columns: list[np.ndarray]) -> np.ndarray:
-        return np.concatenate([column[part] for column, part in zip(columns, cut, strict=True)])
-
-    signals = replace(
-        each[0],
-        time=each[0].time[0] + interval * np.arange(sum(sizes)),
-        force=laid([one.force for one in each]),
-        position=laid([one.position for one in each]),
-        velocity=laid([one.velocity for one in each]),
-        acceleration=laid([one.acceleration for one in each]),
-        direction=laid([one.direction for one in each]),
-        rest_speed=max(one.rest_speed for one in each),
-        position_noise=max(one.position_noise for one in each),
-    )
-    ends = signals.time[0] + interval * np.cumsum(sizes)
-    owner = np.searchsorted(ends, signals.row_time + 0.5 * interval)
-    return Joined(tuple(names), signals, owner)
-
-
-@dataclass(frozen=True)
-class Scored:
-    """Causes, the most probable first, with their fits to all records."""
-
-    verdict: str
-    causes: list[Cause]
-    fits: dict[Effects, StemFit]
-    unknown: float
-    floor: float
-
-
-def scored_on_blocks(diagnosis: StemDiagnosis) -> Scored:
-    """Return the causes of one record as they were scored on the blocks that a fit had not seen."""
-    blocks = np.unique(blocks_of(diagnosis.signals), return_inverse=True)[1]
-    counts = np.bincount(blocks)
-    listed = [each for each in diagnosis.causes if each.fit.is_admissible or not each.effects]
-    causes = []
-    for each in listed:
-        squares = each.block_errors * counts
-        persistence = max(1.0, persistence_of(each.fit.residual))
-        causes.append(
-            Cause(
-                effects=each.effects,
-                probability=each.probability,
-                errors=Errors(squares, squares, counts, counts, persistence),
-                parameters=parameters_of(each.fit),
-                closed=each.gap_closed,
-                closed_interval=each.gap_closed_interval,
-                rivals=list(each.indistinguishable_from),
-            )
-        )
-    fits = {each.effects: each.fit for each in listed}
-    force = root_mean_square(diagnosis.signals.row_force)
-    return judged(causes, fits, diagnosis.unknown_probability, diagnosis.gap.noise_floor, force)
-
-
-def scored_on_other(diagnosis: StemDiagnosis, joined: Joined) -> Scored:
-    """Score the causes that the other records call for on the last one, and weigh them by it alone."""
-    listed = [each for each in diagnosis.causes if not each.effects or not each.is_below_notice]
-    signals, is_scored, has_spring = joined.signals, joined.is_scored, diagnosis.has_spring
-    scores, fits = {}, {}
-    for each in listed:
-        unseen = fit_stem(signals, effects=each.effects, train=joined.is_fitted, has_spring=has_spring)
-        scores[each.effects] = errors_of_rows(unseen.residual[is_scored], blocks_of(signals)[is_scored])
-        fits[each.effects] = fit_stem(signals, effects=each.effects, has_spring=has_spring)
-    floor = min(diagnosis.gap.noise_floor, *(score.rms for score in scores.values()))
-    weights, unknown = weigh(listed, scores, floor)
-    causes = [
-        Cause(
-            effects=each.effects,
-            probability=weights[each.effects],
-            errors=scores[each.effects],
-            parameters=parameters_of(fits[each.effects]),
-            closed=closed_share(scores[()].rms, scores[each.effects].rms, floor),
-            closed_interval=closed_interval(scores[()], scores[each.effects], floor),
-            rivals=list(each.indistinguishable_from),
-        )
-        for each in listed
-        if fits[each.effects].is_admissible or not each.effects
-    ]
-    total = sum(cause.probability for cause in causes) + unknown
-    causes = [replace(cause, probability=cause.probability / total) for cause in causes]
-    return judged(causes, fits, unknown / total, floor, root_mean_square(signals.row_force))
-
-
-def judged(causes: Sequence[Cause], fits: dict[Effects, StemFit], unknown: float, floor: float, force: float) -> Scored:
-    """Sort causes and say the verdict.
-
-    Where the base comes down to the noise, a cause that is not clearly better leaves its probability to it: a
-    wrong name is worse than none. Where it leaves nothing to speak of beside the force, every cause does.
-    """
-    base = next(cause for cause in causes if not cause.effects)
-    is_perfect = base.errors.rms < NOTHING_LEFT * force
-    if is_perfect:
-        unknown = 0.0
-    if is_perfect or base.errors.rms < UNKNOWN_FROM * floor:
-        kept = [each for each in causes if each.effects and not is_perfect and () not in each.rivals]
-        rest = 1.0 - unknown - sum(each.probability for each in kept)
-        causes = [
-            each if any(each is one for one in kept) else replace(each, probability=0.0 if each.effects else rest)
-            for each in causes
-        ]
-    order = sorted(causes, key=lambda cause: (-cause.probability, cause.errors.rms))
-    best = order[0]
-    verdict = "unknown" if unknown > best.probability else ("effect" if best.effects else "none")
-    return Scored(verdict, order, fits, unknown, floor)
-
-
-def errors_of_rows(errors: np.ndarray, blocks: np.ndarray) -> Errors:
-    """Score errors by block. [N]"""
-    numbers = np.unique(blocks, return_inverse=True)[1]
-    squares = np.bincount(numbers, errors**2)
-    counts = np.bincount(numbers)
-    return Errors(squares, squares, counts, counts, max(1.0, persistence_of(errors)))
-
-
-def weigh(
-    listed: Sequence[ScoredCause], scores: Mapping[Effects, Errors], floor: float
-) -> tuple[dict[Effects, float], float]:
-    """Return the probability of each cause and of an unknown one, from another record's errors.
-
-    The likelihood, the penalty, the least gain and the bounds of `unknown` are those of `diagnose_stem`.
-    """
-    base = scores[()]
-    best = max(min(score.rms for score in scores.values()), NEGLIGIBLE * base.rms, math.ulp(0.0))
-    least = max(NOTICE_SHARE * (base.rms - floor), NOTICE_RMS * base.rms)
-    support = {}
-    for each in listed:
-        score = scores[each.effects]
-        samples = float(score.counts.sum()) / score.persistence
-        is_worth = not each.effects or base.rms - score.rms >= least
-        value = -0.5 * samples * (score.rms / best) ** 2 - PARAMETER_PENALTY * each.parameter_count
-        support[each.effects] = value if is_worth else -math.inf
-    highest = max(support.values())
-    weights = {effects: math.exp(value - highest) for effects, value in support.items()}
-    total = sum(weights.values())
-    weights = {effects: weight / total for effects, weight in weights.items()}
-    excess = (base.rms / floor - UNKNOWN_FROM) / (UNKNOWN_AT - UNKNOWN_FROM) if floor > 0.0 else 1.0
-    unknown = weights[()] * min(max(excess, 0.0), 1.0)
-    weights[()] -= unknown
-    return weights, unknown
-
-
-def plain(estimates: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return estimates as the JSON has them."""
-    return {
-        name: {
-            "value": float(each.value),
-            "unit": each.unit,
-            "std": None if each.std is None else float(each.std),
-        }
-        for name, each in estimates.items()
-    }
-
-
-def parameters_of(fit: StemFit) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return the parameters of a fit's effects."""
-    return {key: plain(estimates) for key, estimates in fit.by_effect().items()}
-
-
 def model_of(fit: StemFit, given: Model, name: str) -> tuple[Model, list[str]]:
     """Return the given valve with the fitted stem, and what of the fit no valve can have.
 
@@ -490,81 +201,3 @@ def notes_on(diagnosis: StemDiagnosis, joined: Joined, given: Model, as_given: f
         share = joined.signals.rows_left_out / (joined.signals.rows + joined.signals.rows_left_out)
         notes.append(f"{100.0 * share:.0f} % of the samples are left out: friction has no value at rest")
     return notes
-
-
-def regimes_of_rows(joined: Joined, residual: np.ndarray) -> list[Regime]:
-    """Return where the error of the base model is large, the largest first. [N]"""
-    signals = joined.signals
-    velocity = signals.decimate(signals.velocity)
-    speed = np.abs(velocity)
-    top = float(np.quantile(speed, 0.95))
-    rows = Experiment(
-        name="",
-        time=signals.row_time,
-        current=np.full(signals.rows, np.nan),
-        position=signals.decimate(signals.position),
-        pressure=None,
-        noise=signals.position_noise,
-        pressure_noise=0.0,
-        block=blocks_of(signals),
-    )
-    masks = masks_of(rows, np.sign(velocity))
-    slow, fast = LOW_SPEED * top, HIGH_SPEED * top
-    masks |= {"near_rest": speed < slow, "high_speed": speed > fast}
-    words = words_of([rows]) | {
-        "near_rest": f"near rest, below {slow * 1e3:.3g} mm/s",
-        "high_speed": f"at high speed, above {fast * 1e3:.3g} mm/s",
-    }
-    whole = float(np.sum(residual**2)) or 1.0
-    found = []
-    for name, mask in masks.items():
-        if mask.sum() >= FEWEST_SAMPLES:
-            share = float(np.sum(residual[mask] ** 2)) / whole
-            found.append(Regime(name, words[name], root_mean_square(residual[mask]), share, float(mask.mean())))
-    return sorted(found, key=lambda regime: -regime.rms)
-
-
-def evidence_of(diagnosis: StemOnlyDiagnosis) -> Evidence:
-    """Return what the pictures of a diagnosis show."""
-    from diagnosis.picture import ranking_of
-    from diagnosis.report import Evidence, Step
-
-    return Evidence(
-        records=tuple(record_evidence(diagnosis, number) for number in range(len(diagnosis.joined.names))),
-        steps=tuple(Step(label, rms) for label, rms in diagnosis.steps),
-        ranking=ranking_of(diagnosis.causes),
-        noise_floor=diagnosis.floor,
-        unit="N",
-        seconds=diagnosis.seconds,
-        valve_name=diagnosis.given.name,
-        warnings=diagnosis.warnings,
-    )
-
-
-def record_evidence(diagnosis: StemOnlyDiagnosis, number: int) -> RecordEvidence:
-    """Return the forces of one record, decimated; a missing sample stands where the stem rests."""
-    from diagnosis.report import RecordEvidence
-
-    joined = diagnosis.joined
-    signals, is_own = joined.signals, joined.owner == number
-    row_time = signals.row_time[is_own]
-    gaps = np.flatnonzero(np.diff(row_time) > 1.5 * signals.row_interval) + 1
-
-    def shown(values: np.ndarray) -> np.ndarray:
-        return np.insert(values[is_own], gaps, np.nan)
-
-    force = signals.row_force
-    direction = np.sign(signals.decimate(signals.velocity))
-    start = row_time[0] if number else 0.0
-    return RecordEvidence(
-        name=joined.names[number],
-        time=np.insert(row_time, gaps, row_time[gaps - 1] + signals.row_interval) - start,
-        current=None,
-        measured=shown(force),
-        as_given=shown(force - nominal_residual(signals, diagnosis.given.values)),
-        refitted=shown(force - diagnosis.base_fit.residual),
-        with_cause=shown(force - diagnosis.found_fit.residual) if diagnosis.cause.effects else None,
-        held_out=np.full(len(row_time) + len(gaps), number == len(joined.names) - 1),
-        mode=np.nan_to_num(shown(direction)).astype(int),
-        position=shown(signals.decimate(signals.position)),
-    )

@@ -1,28 +1,24 @@
-"""The diagnosis of a whole valve: all that it found, and how it is written down."""
+"""The diagnosis of a whole valve: all that it found."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.base_numbers import BaseNumber
-from diagnosis.causes import Cause, content_of
 from diagnosis.confusability import Confusability
 from diagnosis.curve import Curve
-from diagnosis.display import Told
 from diagnosis.regime_map import RegimeMap
-from diagnosis.regimes import Regime
 from diagnosis.score import Errors, closed_interval, closed_share
 from diagnosis.sham import Control
 from diagnosis.stages import open_stages
+from diagnosis.told import Told
 from diagnosis.trying import Candidate
 from diagnosis.where import Where
 from identification.experiment import Experiment
 from identification.fit import Fit
 from identification.holdout import Holdout
 from valvemodel.effects import are_aliases
-from valvemodel.files import make_folder, write_json
 from valvemodel.model import Model
 from valvemodel.stages import EFFECTS
 
@@ -38,22 +34,13 @@ YARDSTICKS = {"free": "free run", "anchored": "re-anchored on the measured posit
 class Diagnosis(Told):
     """All that a diagnosis found, in SI units."""
 
-    verdict: str
-    stage: str | None
-    stage_probability: dict[str, float]
-    regimes: list[Regime]
     regime_map: RegimeMap
     stage_gaps: Where
-    causes: list[Cause]
-    unknown_probability: float
     as_given: Errors
-    refitted: Errors
-    floor: float
     sampling_error: float
     left_out: float
     yardstick: str
     holdout: Holdout
-    given: Model
     base: Fit
     found: Fit
     base_numbers: list[BaseNumber]
@@ -63,23 +50,17 @@ class Diagnosis(Told):
     control: Control
     ceiling: Errors
     residual_curves: list[Curve]
-    steps: list[tuple[str, float]]
-    warnings: tuple[str, ...]
-    seconds: float
     next_experiment: NextExperiment | None = None
-
-    @property
-    def cause(self) -> Cause:
-        """The cause that is shown: the most probable one, of which the verdict speaks unless it is unknown.
-
-        Where it is, causes that are a series of waves come last.
-        """
-        return self.causes[0]
 
     @property
     def found_model(self) -> Model:
         """The refitted base, with the cause where one is named, as it goes for other records of the valve."""
         return self.found.model.without_starts()
+
+    @property
+    def models(self) -> dict[str, Model]:
+        """The refitted base and the found model, by the names of their files."""
+        return {"base.json": self.base.model, "model.json": self.found_model}
 
     @property
     def open_stages(self) -> list[str]:
@@ -102,7 +83,7 @@ class Diagnosis(Told):
 
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
-        content = content_of(self)
+        content = self._content()
         content["where"] |= {
             "open_stages": self.open_stages,
             "regime_map": self.regime_map.as_json(),
@@ -151,22 +132,6 @@ class Diagnosis(Told):
 
     def evidence(self) -> Evidence:
         """Return what the pictures show."""
-        from diagnosis.picture import evidence_of
+        from diagnosis.valve_picture import evidence_of_valve
 
-        return evidence_of(self)
-
-    def write(self, folder: Path, *, jobs: int | None = 1) -> dict[str, Path]:
-        """Write diagnosis.json, base.json, model.json and report.html, and return their places.
-
-        So many processes draw at the same time; None is one a core.
-        """
-        from diagnosis.report import write_page
-
-        folder = make_folder(folder)
-        places = {name: folder / name for name in ("diagnosis.json", "base.json", "model.json", "report.html")}
-        content = self.as_json()
-        write_json(places["diagnosis.json"], content)
-        self.base.model.write(places["base.json"])
-        self.found_model.write(places["model.json"])
-        write_page(places["report.html"], content, self.evidence(), jobs=jobs)
-        return places
+        return evidence_of_valve(self)

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.causes import SCHEMA
 from diagnosis.stem_only import StemOnlyDiagnosis, diagnose_stem_records, model_of
+from diagnosis.told import SCHEMA
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
