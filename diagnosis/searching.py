@@ -91,11 +91,7 @@ class Search:
         return self._tried_on(anew, *parted(anew, self.model), library)
 
     def _tried_on(
-        self,
-        as_read: Sequence[Experiment],
-        holdout: Holdout,
-        base: Fit,
-        library: Sequence[Effect],
+        self, as_read: Sequence[Experiment], holdout: Holdout, base: Fit, library: Sequence[Effect]
     ) -> Searched:
         model = self.model
         experiments, said = with_unrecorded(as_read, base)
@@ -106,8 +102,7 @@ class Search:
         workshop = Workshop(holdout, self.pool, self.progress)
         experiments, holdout, base = on_stairs(experiments, workshop, base, library, model)
         workshop = replace(workshop, holdout=holdout)
-        first = Candidate((), base, score_fit(base, holdout))
-        tried, together = try_first(first, workshop, library)
+        tried, together = try_first(of_no_effect(base, holdout), workshop, library)
         seen = stairs_beside(tried, experiments, holdout, model)
         for further in (in_phase, partial(try_together, together=together)):
             if not seen:
@@ -116,11 +111,15 @@ class Search:
         if seen:
             experiments, holdout, base = seen
             workshop = replace(workshop, holdout=holdout)
-            first = Candidate((), base, score_fit(base, holdout))
-            tried, together = try_first_again(tried, first, workshop, library)
+            tried, together = try_first_again(tried, of_no_effect(base, holdout), workshop, library)
             for further in (in_phase, partial(try_together, together=together)):
                 tried = further(tried, workshop)
         return Searched(list(experiments), holdout, base, tried, library, sampling_error, tuple(said))
+
+
+def of_no_effect(base: Fit, holdout: Holdout) -> Candidate:
+    """Score the base valve as the cause that is none."""
+    return Candidate((), base, score_fit(base, holdout))
 
 
 def try_first_again(

@@ -109,7 +109,7 @@ def try_together(
         if size == 2 and not goes_in_jumps(order[0]):
             joined = try_jointly(tried, workshop) if together is None else together
             tried = with_better(tried, joined)
-            tried = with_better(tried, try_all(on_what_explains(tried), workshop, "2 effects together"))
+            tried = with_pairs(tried, on_what_explains(tried), workshop)
         if not is_told(tried) and not any(is_enough(each, base) for each in order):
             tried = on_top_of_the_best(tried, order, workshop)
         best, fewer = best_of(tried, size), as_tried(order[0], tried)
@@ -174,7 +174,7 @@ def on_top_of_the_best(tried: Sequence[Candidate], order: Sequence[Candidate], w
 def in_right_form(tried: Sequence[Candidate], workshop: Workshop) -> list[Candidate]:
     """Return what was tried, with what makes the stem jump of the best two effects beside the other in other forms."""
     alone = try_all(in_other_forms(tried), workshop, "effects in other forms")
-    return with_better(tried, try_all(with_jumps(alone, tried), workshop, "2 effects together"))
+    return with_pairs(tried, with_jumps(alone, tried), workshop)
 
 
 def with_kindred(tried: Sequence[Candidate], workshop: Workshop, formed: Sequence[Candidate] = ()) -> list[Candidate]:
@@ -187,26 +187,31 @@ def with_kindred(tried: Sequence[Candidate], workshop: Workshop, formed: Sequenc
     for _ in range(ALIAS_ROUNDS):
         work = [each for each in exchanged(known) if frozenset(each.effects) not in done]
         done |= {frozenset(each.effects) for each in work}
-        known = with_better(known, try_all(work, workshop, "2 effects together"))
+        known = with_pairs(known, work, workshop)
     if is_out_of_reach(known):
         return known
     led = leading_pair(known)
     for proposed in (on_what_stays, near_misses, from_the_best):
-        known = with_better(known, try_all(proposed(known), workshop, "2 effects together"))
+        known = with_pairs(known, proposed(known), workshop)
     again = worth_beginning_again(known)
     known = with_better(known, change_all(begin_again, again, workshop, "beginning again with"))
     known = with_better(known, each_in_turn(try_anew, worth_trying_anew(known), workshop))
-    known = with_better(known, try_all(jumps_anew(known), workshop, "2 effects together"))
-    known = with_better(known, try_all(other_laws(known), workshop, "2 effects together"))
+    known = with_pairs(known, jumps_anew(known), workshop)
+    known = with_pairs(known, other_laws(known), workshop)
     best = best_of(known, 2)[0]
     if all((each.effects, misfit(each)) != (best.effects, misfit(best)) for each in formed):
         known = in_right_form(known, workshop)
     known = exchanged_anew(known, led, workshop)
     for proposed in (nearly_together, from_numbers_of_the_best):
-        known = with_better(known, try_all(proposed(known), workshop, "2 effects together"))
+        known = with_pairs(known, proposed(known), workshop)
     for choice_of in (rivals_of_best, aliases_of_best):
         known = with_better(known, sharpen_all(blunt(choice_of(known), known[0]), workshop))
     return with_better(known, sharpen_all(short_of_noise(known), workshop))
+
+
+def with_pairs(tried: Sequence[Candidate], work: Sequence[Work], workshop: Workshop) -> list[Candidate]:
+    """Return what was tried, with pairs of effects that are tried now, each as it comes nearest."""
+    return with_better(tried, try_all(work, workshop, "2 effects together"))
 
 
 def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
@@ -217,7 +222,7 @@ def leading_pair(tried: Sequence[Candidate]) -> frozenset[str]:
 def exchanged_anew(tried: Sequence[Candidate], led: frozenset[str], workshop: Workshop) -> list[Candidate]:
     """Return what was tried, with the best two effects exchanged for their aliases if two others led until then."""
     work = exchanged(tried) if leading_pair(tried) != led else []
-    return with_better(tried, try_all(work, workshop, "2 effects together"))
+    return with_pairs(tried, work, workshop)
 
 
 def worth_beginning_again(tried: Sequence[Candidate]) -> list[Candidate]:
