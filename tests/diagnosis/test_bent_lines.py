@@ -355,7 +355,7 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
     bent = bent_lines(base, line, [effect_of_key(key) for key in keys], EMPTY)
     assert all(each.line.is_explained for each in bent)
-    alone = look_alone(on_the_line(base.problem, line), line, {"static_friction": None}, None)
+    alone = look_alone(on_the_line(base.problem, line), line, {"static_friction": None}, EMPTY)
     looked = look_beside(bent, ["static_friction"], EMPTY, alone)
     errors_by = {each.work.effects[0]: each.error for each in looked if each.slips}
     assert set(errors_by) == set(keys)

@@ -251,7 +251,7 @@ def test_what_comes_close_to_no_effect_is_tried_where_little_is_left(monkeypatch
     monkeypatch.setattr(proposals, "promises", lambda fit, starts, workshop: dict.fromkeys(starts, 0.0))
     tried = [candidate(40.0), candidate(left, "supply_droop")]
     single = {key: {} for key in ("supply_droop", "coil_lag", "air_leak", "linkage_backlash")}
-    work = extensions(tried[1:], tried, single, 0, None)
+    work = extensions(tried[1:], tried, single, 0, EMPTY)
     assert [each.effects for each in work] == [("supply_droop", key) for key in expected]
 
 
@@ -355,7 +355,7 @@ def test_what_is_read_off_a_residual_is_tried_on_top_of_the_fit_that_leaves_it(m
     monkeypatch.setattr(proposals, "stopping_on", lambda *_: [])
     monkeypatch.setattr(proposals, "shortlist", lambda *_: [key])
     leader = candidate(20.0, "spring_hardening")
-    work = extensions([leader], [candidate(90.0), leader, candidate(80.0, key), pair], {key: {"size": 1.0}}, 6, None)
+    work = extensions([leader], [candidate(90.0), leader, candidate(80.0, key), pair], {key: {"size": 1.0}}, 6, EMPTY)
     assert [each.effects for each in work] == ([pair.effects] if is_tried else [])
 
 
@@ -366,7 +366,7 @@ def test_what_an_effect_came_to_alone_is_no_start_where_it_explained_nothing(mon
     monkeypatch.setattr(proposals, "shortlist", lambda *_: ["choked_flow", "quantisation"])
     leader, single = candidate(20.0, "position_dependent_friction"), {"choked_flow": {"size": alone}}
     tried = [candidate(90.0), leader, candidate(alone, "choked_flow"), candidate(95.0, "quantisation")]
-    work = extensions([leader], tried, single | {"quantisation": {"size": 95.0}}, 6, None)
+    work = extensions([leader], tried, single | {"quantisation": {"size": 95.0}}, 6, EMPTY)
     # What is read off the record is as it was read.
     assert [each.known for each in work] == [single["choked_flow"] if is_begun_there else None, {"size": 95.0}]
 
@@ -377,10 +377,10 @@ def test_a_load_of_one_wave_that_was_followed_together_is_tried_on_top_as_many(m
     tight, load = candidate(20.0, "position_dependent_friction"), waves(30.0, "load_force")
     together = candidate(8.0, "position_dependent_friction", "load_force")
     single = {"load_force": {"size": 1.0}}
-    (work,) = extensions([tight], [candidate(90.0), tight, load, together], single, 6, None)
+    (work,) = extensions([tight], [candidate(90.0), tight, load, together], single, 6, EMPTY)
     assert work.effects == together.effects
     on_top = replace(together, orders=frozenset({together.effects}))
-    assert extensions([tight], [candidate(90.0), tight, load, on_top], single, 6, None) == []
+    assert extensions([tight], [candidate(90.0), tight, load, on_top], single, 6, EMPTY) == []
 
 
 @pytest.mark.parametrize(
@@ -410,17 +410,17 @@ def test_a_whole_series_is_laid_on_top_of_the_other_effect_and_bears_no_third(mo
     load, lag = waves(2.0, "load_force"), candidate(9.0, "coil_lag")
     tried = [candidate(20.0), load, lag]
     single = {each.effects[0]: {"size": each.score.misfit} for each in (load, lag)}
-    (work,) = extensions([load], tried, single, 6, None)
+    (work,) = extensions([load], tried, single, 6, EMPTY)
     assert work.effects == ("coil_lag", "load_force")
     assert work.fit is lag.fit
     assert work.known == {"size": 2.0}
     assert work.is_known
-    (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6, None)
+    (plain,) = extensions([candidate(8.0, "air_leak")], tried, single, 6, EMPTY)
     assert plain.effects == ("air_leak", "coil_lag")
-    assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6, None) == []
+    assert extensions([waves(1.5, "air_leak", "load_force")], tried, single, 6, EMPTY) == []
     with_one_wave = candidate(8.5, "coil_lag", "load_force")
-    assert [each.effects for each in extensions([load], [*tried, with_one_wave], single, 6, None)] == [work.effects]
-    assert extensions([load], [*tried, replace(with_one_wave, has_series=True)], single, 6, None) == []
+    assert [each.effects for each in extensions([load], [*tried, with_one_wave], single, 6, EMPTY)] == [work.effects]
+    assert extensions([load], [*tried, replace(with_one_wave, has_series=True)], single, 6, EMPTY) == []
 
 
 def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
@@ -429,14 +429,14 @@ def test_what_is_read_off_the_record_is_laid_on_top_of_all_others(monkeypatch):
     bristles, worse = candidate(9.0, "presliding"), candidate(21.0, "supply_droop")
     tried = [candidate(20.0), reading, lag, bristles, worse]
     single = values_alone(tried)
-    work = extensions([reading], tried, single, 0, None)
+    work = extensions([reading], tried, single, 0, EMPTY)
     assert [each.effects[0] for each in work] == ["presliding", "coil_lag", "supply_droop"]
     assert all(each.effects[1] == "quantisation" and each.is_known for each in work)
     assert all(each.known == {"size": 5.0} for each in work)
     assert work[1].fit is lag.fit
     # Bristles that explain little take too long.
     slow = [tried[0], reading, candidate(19.9, "presliding")]
-    assert extensions([reading], slow, values_alone(slow), 0, None) == []
+    assert extensions([reading], slow, values_alone(slow), 0, EMPTY) == []
 
 
 @pytest.mark.parametrize(("left", "count"), [(5.0, 1), (1.0, 0)])
@@ -826,7 +826,7 @@ def test_a_coarse_reading_takes_no_global_search(monkeypatch):
     monkeypatch.setattr(proposals, "promises", lambda *_: {})
     tried = [candidate(40.0), candidate(20.0, "supply_droop")]
     single = {key: {} for key in ("supply_droop", "quantisation", "static_friction")}
-    work = extensions(tried[1:], tried, single, 0, None)
+    work = extensions(tried[1:], tried, single, 0, EMPTY)
     assert [(each.effects[1], each.is_global) for each in work] == [("quantisation", False), ("static_friction", True)]
 
 
