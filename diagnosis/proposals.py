@@ -44,6 +44,10 @@ from valvemodel.stages import EFFECTS
 LEADERS = 2
 """Best causes that are tried with one more effect."""
 
+FOLLOWS_NEAREST = 0.5
+"""Error of what makes the stem jump, over that of what leads, in what they were fitted to, from which it leads as well:
+that is so in one of 561 blind plants of our own, of play beside static friction."""
+
 SHORTLIST, SHORTLIST_BACK = 6, 4
 """Effects that are tried on top of the leader, and when looking backwards, by what they promise on its residual."""
 
@@ -154,10 +158,19 @@ def leaders_of(order: Sequence[Candidate]) -> list[Candidate]:
     """Return the causes, of some in their order, that are tried with one more effect.
 
     A whole series of waves that comes nearest may stand in for much else: it leads beside others, not in their place.
+    So does what makes the stem jump where it comes by far the nearest to what it was fitted to: of what it did not see,
+    one slip that falls elsewhere is worth more than all the rest.
     """
     plain = [each for each in order if not each.has_series]
     leaders = [each for each in unlike(plain)[:LEADERS] if misfit(each) < NEAR_THE_BEST * misfit(plain[0])]
-    return [*order[:1], *leaders] if order[0].has_series else leaders
+    jumping = [each for each in plain if jumps_in_closed_form(each.effects) and follows_nearest(each, leaders)]
+    return [*(order[:1] if order[0].has_series else []), *jumping[:1], *leaders]
+
+
+def follows_nearest(cause: Candidate, leaders: Sequence[Candidate]) -> bool:
+    """Return whether a cause comes by far nearer to what it was fitted to than some that lead, by a like run."""
+    alike = [each for each in leaders if each.fit.problem.is_anchored == cause.fit.problem.is_anchored]
+    return cause.fit.found.error < FOLLOWS_NEAREST * min((each.fit.found.error for each in alike), default=0.0)
 
 
 def worthwhile(work: Sequence[Work], tried: Sequence[Candidate]) -> list[Work]:

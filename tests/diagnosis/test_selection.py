@@ -56,6 +56,22 @@ def test_a_whole_series_leads_beside_others_not_in_their_place():
     assert leaders_of([load]) == [load]
 
 
+def test_what_makes_the_stem_jump_leads_as_well_where_it_follows_by_far_the_nearest_what_it_was_fitted_to():
+    best, near, unseen_slip = candidate(20.0, "linkage_backlash"), candidate(30.0, "coil_lag"), 45.0
+    law = candidate(unseen_slip, "static_friction")
+    law.fit.found.error = 0.4 * best.fit.found.error
+    assert leaders_of([best, near, law]) == [law, best, near]
+    law.fit.found.error = 0.6 * best.fit.found.error
+    assert leaders_of([best, near, law]) == [best, near]
+    smooth = candidate(unseen_slip, "position_dependent_friction")
+    smooth.fit.found.error = 0.1 * best.fit.found.error
+    assert leaders_of([best, near, smooth]) == [best, near]
+    # Runs that are put anew on the readings follow them in any case.
+    law.fit.found.error = 0.1 * best.fit.found.error
+    law.fit.problem.is_anchored = True
+    assert leaders_of([best, near, law]) == [best, near]
+
+
 def test_only_three_effects_that_come_nearer_than_two_are_looked_back_from():
     tried = [candidate(90.0), candidate(30.0, "coil_lag"), candidate(20.0, "coil_lag", "end_stop")]
     near, far = candidate(1.4, "coil_lag", "end_stop", "air_leak"), candidate(19.0, "coil_lag", "end_stop", "gap_drift")
