@@ -20,9 +20,9 @@ AT_NOISE = 1.05
 FITTED = 1.03
 """Error of what was fitted, over that of noise, up to which no search from elsewhere can come nearer."""
 
-WORTH_MORE = 1.1
-"""Mean weighted square, over the noise or the least that anything left, up to which nothing with one more effect is
-told from what leaves it: it gains less likelihood than that effect and its number cost."""
+WORTH_ONE, WORTH_MORE = 1.1, 1.06
+"""Mean weighted square, over the noise or the least that anything left, up to which no effect is told from none, and
+none more from what leaves it: it gains less likelihood than that effect and its number cost."""
 
 GENEROUS = 4.0
 """Factor by which a cause may leave more, in square, for what is left to be little: a third effect is not looked for
@@ -78,7 +78,7 @@ def left_of_fitted(candidate: Candidate) -> float:
 
 def leaves_nothing_to_tell(candidate: Candidate, tried: Sequence[Candidate]) -> bool:
     """Return whether a cause leaves so little that nothing with one more effect could be told from it."""
-    return misfit(candidate) < WORTH_MORE * min(1.0, *map(misfit, tried))
+    return misfit(candidate) < (WORTH_MORE if candidate.effects else WORTH_ONE) * min(1.0, *map(misfit, tried))
 
 
 def any_explains(tried: Sequence[Candidate], *, generous: bool = False) -> bool:

@@ -203,7 +203,7 @@ def test_beside_a_base_near_the_noise_no_cause_is_searched_for_from_every_start(
     assert bool(work) == is_searched
 
 
-@pytest.mark.parametrize(("left", "is_looked_for"), [(1.08, False), (1.12, True)])
+@pytest.mark.parametrize(("left", "is_looked_for"), [(1.05, False), (1.08, True)])
 def test_beside_a_single_effect_near_the_noise_no_second_one_is_looked_for(left, is_looked_for):
     tried = [candidate(40.0), candidate(left, "coil_lag")]
     assert ending.is_explained(tried, 2) != is_looked_for
@@ -521,7 +521,7 @@ def test_what_was_fitted_to_the_noise_is_in_no_side_minimum(error, is_searched):
     assert bool(proposals.nearly_together([base, best, candidate(50.0, "end_stop"), pair])) == is_searched
 
 
-@pytest.mark.parametrize(("left", "promises"), [(1.08, [0.0]), (1.2, [0.0, proposals.PROMISE_IF_SLOW])])
+@pytest.mark.parametrize(("left", "promises"), [(1.05, [0.0]), (1.2, [0.0, proposals.PROMISE_IF_SLOW])])
 def test_on_what_takes_long_to_run_another_is_tried_only_where_it_may_come_nearer(left, promises):
     alone = [candidate(60.0, "presliding"), candidate(50.0, "area_variation"), candidate(70.0, "sensor_drift")]
     best, behind = candidate(left, "presliding", "area_variation"), candidate(2.0, "sensor_drift", "presliding")
