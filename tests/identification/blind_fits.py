@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -17,27 +18,28 @@ from valvemodel.records import read_record
 from valvemodel.valves import read_valve
 
 
-def fits_to_plant(
-    seed: int, key: str, folder: Path, *, profile: int | None = None, nuisance: bool = False
-) -> tuple[Plant, Fit, Fit]:
-    """Return a plant with an effect, and the fits to its record without the effect and with it."""
-    plant, base = base_of_plant(seed, (key,), folder, profile=profile, nuisance=nuisance)
+@cache
+def fits_to_plant(seed: int, key: str, *, profile: int | None = None, nuisance: bool = False) -> tuple[Plant, Fit, Fit]:
+    """Return a plant with an effect, and the fits to its record without the effect and with it, made once for each."""
+    plant, base = base_of_plant(seed, (key,), profile=profile, nuisance=nuisance)
     return plant, base, extend(base, key)
 
 
+@cache
 def base_of_plant(
-    seed: int, keys: Sequence[str], folder: Path, *, profile: int | None = None, nuisance: bool = False
+    seed: int, keys: tuple[str, ...], *, profile: int | None = None, nuisance: bool = False
 ) -> tuple[Plant, Fit]:
-    """Return a plant with some effects, and the base valve fitted to its record."""
+    """Return a plant with some effects, and the base valve fitted to its record, made once for each."""
     plant = draw_plant(seed, keys, nuisance=nuisance)
-    return plant, base_of_record(measure(plant, seed + 7 if profile is None else profile), folder)
+    return plant, base_of_record(measure(plant, seed + 7 if profile is None else profile))
 
 
-def base_of_record(measurement: dict[str, np.ndarray], folder: Path) -> Fit:
-    """Return the base valve fitted to what was measured."""
-    path = folder / "record.csv"
-    write_record(path, measurement)
-    experiments, _ = experiments_of([read_record(path)])
+def base_of_record(measurement: dict[str, np.ndarray]) -> Fit:
+    """Return the base valve fitted to what was measured and written to a file."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "record.csv"
+        write_record(path, measurement)
+        experiments, _ = experiments_of([read_record(path)])
     holdout = hold_out(experiments)
     valve = read_valve("calibrated")
     return fit_base(Model(valve.name, valve.values), holdout.experiments, holdout.fitted)

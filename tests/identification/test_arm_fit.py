@@ -10,8 +10,8 @@ from valvemodel.effects import effect_of_key
 
 
 @pytest.mark.parametrize("seed", [9508, 9512])
-def test_a_whole_arm_is_told_from_its_third_order(seed, tmp_path):
-    plant, base, found = fits_to_plant(seed, "linkage_nonlinearity", tmp_path)
+def test_a_whole_arm_is_told_from_its_third_order(seed):
+    plant, base, found = fits_to_plant(seed, "linkage_nonlinearity")
     assert plant.effects[0].formulation in ("tangent", "sine")
     assert found.found.error < 1.1 * found.problem.noise_error
     values = found.model.effects["linkage_nonlinearity"]
@@ -25,8 +25,8 @@ def test_a_whole_arm_is_told_from_its_third_order(seed, tmp_path):
 
 
 @pytest.mark.parametrize("seed", [9501, 9505])
-def test_a_zero_that_creeps_on_is_followed_by_the_logarithm_of_time(seed, tmp_path):
-    plant, _, found = fits_to_plant(seed, "sensor_drift", tmp_path)
+def test_a_zero_that_creeps_on_is_followed_by_the_logarithm_of_time(seed):
+    plant, _, found = fits_to_plant(seed, "sensor_drift")
     assert plant.effects[0].formulation == "logarithmic"
     assert found.found.error < 1.1 * found.problem.noise_error
     values = found.model.effects["sensor_drift"]

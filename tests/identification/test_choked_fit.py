@@ -19,8 +19,8 @@ SEED, PROFILE = 1043752039, 1758290018
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory):
-    return fits_to_plant(SEED, "choked_flow", tmp_path_factory.mktemp("choked"), profile=PROFILE, nuisance=True)
+def fitted():
+    return fits_to_plant(SEED, "choked_flow", profile=PROFILE, nuisance=True)
 
 
 def test_choked_flow_with_another_critical_ratio_is_explained_to_the_noise(fitted):
@@ -33,8 +33,8 @@ def test_choked_flow_with_another_critical_ratio_is_explained_to_the_noise(fitte
 
 
 @pytest.mark.parametrize("seed", [9608, 9617])
-def test_beside_the_air_outside_the_supply_pressure_is_told_by_current_and_position(seed, tmp_path):
-    plant, base, found = fits_to_plant(seed, "choked_flow", tmp_path)
+def test_beside_the_air_outside_the_supply_pressure_is_told_by_current_and_position(seed):
+    plant, base, found = fits_to_plant(seed, "choked_flow")
     given, true = base.model.values["supply_pressure"], plant.base["supply_pressure"]
     assert plant.effects[0].formulation == "iso_6358"
     assert abs(true / given - 1.0) > 0.02
@@ -44,9 +44,9 @@ def test_beside_the_air_outside_the_supply_pressure_is_told_by_current_and_posit
     assert ratio == pytest.approx(plant.effects[0].parameters["critical_ratio"], abs=2e-3)
 
 
-def test_a_nozzle_by_another_law_is_explained_to_the_noise_beside_its_own_supply_pressure_only(tmp_path):
+def test_a_nozzle_by_another_law_is_explained_to_the_noise_beside_its_own_supply_pressure_only():
     """Of Saint-Venant and Wantzel; as given the pressure is off by 1.3 %."""
-    plant, base, found = fits_to_plant(508495365, "choked_flow", tmp_path, profile=502947648, nuisance=True)
+    plant, base, found = fits_to_plant(508495365, "choked_flow", profile=502947648, nuisance=True)
     assert plant.effects[0].formulation == "saint_venant"
     assert found.found.error < 1.05 * found.problem.noise_error
     values = dict(found.model.effects["choked_flow"])

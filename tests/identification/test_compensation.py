@@ -20,9 +20,9 @@ SEED = 10
 
 
 @pytest.fixture(scope="module")
-def sticking(tmp_path_factory) -> Fit:
+def sticking() -> Fit:
     """A fit with static friction to a valve that has it and unequal friction up and down."""
-    _, base = base_of_plant(SEED, ("static_friction", "asymmetric_friction"), tmp_path_factory.mktemp("sticking"))
+    _, base = base_of_plant(SEED, ("static_friction", "asymmetric_friction"))
     return extend(base, "static_friction")
 
 

@@ -63,8 +63,8 @@ def test_a_derivative_serves_on_some_points_where_the_error_is_smooth(monkeypatc
     assert len(asked) / most <= len(taken) < len(asked) / most + 4
 
 
-def test_rough_runs_lead_where_finer_ones_do_and_the_error_is_that_of_the_problem(tmp_path, monkeypatch):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_rough_runs_lead_where_finer_ones_do_and_the_error_is_that_of_the_problem(monkeypatch):
+    _, base = base_of_plant(9302, ("sensor_lag",))
     lag = effect_of_key("sensor_lag")
     problem, start = joined(base.problem, base.found.point, lag, {**lag.typical, "sensor_time_constant": 0.1})
     finer = descend(problem, start, evaluations=6, precision=1e-3, renewed=3)
@@ -82,8 +82,8 @@ def test_rough_runs_lead_where_finer_ones_do_and_the_error_is_that_of_the_proble
 
 
 @pytest.mark.parametrize(("tolerance", "factor"), [(1e-7, 1.0), (SEARCH_TOLERANCE, 1.0), (ROUGH_TOLERANCE, 10.0)])
-def test_differences_are_as_much_wider_as_runs_are_rougher(tmp_path, monkeypatch, tolerance, factor):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_differences_are_as_much_wider_as_runs_are_rougher(monkeypatch, tolerance, factor):
+    _, base = base_of_plant(9302, ("sensor_lag",))
     problem, point = replace(base.problem, tolerance=tolerance), base.found.point
     asked = []
     residuals = Problem.residuals
@@ -95,8 +95,8 @@ def test_differences_are_as_much_wider_as_runs_are_rougher(tmp_path, monkeypatch
 @pytest.mark.parametrize(
     ("noise", "expected"), [(5e-4, ROUGH_TOLERANCE), (4e-5, 4e-5), (1e-6, SEARCH_TOLERANCE), (np.inf, ROUGH_TOLERANCE)]
 )
-def test_rough_runs_are_no_rougher_than_the_noise(tmp_path, noise, expected):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_rough_runs_are_no_rougher_than_the_noise(noise, expected):
+    _, base = base_of_plant(9302, ("sensor_lag",))
     (experiment,) = base.problem.experiments
     loud = replace(experiment, noise=5e-4)
     assert replace(base.problem, experiments=[loud, replace(experiment, noise=noise)]).rough_tolerance == expected

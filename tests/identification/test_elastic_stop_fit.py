@@ -8,8 +8,8 @@ from valvemodel.effects import effect_of_key
 
 
 @pytest.mark.parametrize(("seed", "formulation"), [(1, "elastic"), (5, "elastic"), (14, "elastic"), (3, "rigid")])
-def test_a_stop_is_found_with_what_it_gives_way(seed, formulation, tmp_path):
-    plant, base, found = fits_to_plant(seed, "end_stop", tmp_path)
+def test_a_stop_is_found_with_what_it_gives_way(seed, formulation):
+    plant, base, found = fits_to_plant(seed, "end_stop")
     truth = plant.effects[0]
     assert truth.formulation == formulation
     assert base.found.error > 30.0 * base.problem.noise_error

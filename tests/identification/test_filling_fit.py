@@ -21,9 +21,9 @@ KEY = "asymmetric_filling"
     ("seed", "law", "orifice_share"),
     [(9405, "rate_limit", 0.0), (9406, "two_time_constants", 0.0), (9412, "orifice_vent", 1.0)],
 )
-def test_each_form_is_found(seed, law, orifice_share, tmp_path):
+def test_each_form_is_found(seed, law, orifice_share):
     # Of 9406 the search for lags ends in a side minimum; from where the one for orifices ends it comes to the noise.
-    plant, base, found = fits_to_plant(seed, KEY, tmp_path)
+    plant, base, found = fits_to_plant(seed, KEY)
     assert plant.effects[0].formulation == law
     noise = found.problem.noise_error
     assert base.found.error > 10.0 * noise
@@ -32,12 +32,12 @@ def test_each_form_is_found(seed, law, orifice_share, tmp_path):
 
 
 @pytest.mark.parametrize(("seed", "profile", "nuisance"), [(9503, None, False), (279648582, 312570171, True)])
-def test_a_chamber_of_gas_is_found(seed, profile, nuisance, tmp_path):
+def test_a_chamber_of_gas_is_found(seed, profile, nuisance):
     """As stiff at each pressure it comes no nearer than 1.4 of the noise, its filling time falling by five sixths.
 
     Of the second what too much friction stands in for had been tried as stiff alone, and had displaced the gas.
     """
-    plant, base, found = fits_to_plant(seed, "chamber_filling", tmp_path, profile=profile, nuisance=nuisance)
+    plant, base, found = fits_to_plant(seed, "chamber_filling", profile=profile, nuisance=nuisance)
     assert plant.effects[0].formulation == "isothermal"
     assert base.found.error > 10.0 * found.problem.noise_error
     assert found.found.error < 1.05 * found.problem.noise_error

@@ -10,8 +10,8 @@ from identification.search import descend_roughly
 
 
 @pytest.mark.parametrize("key", ["sensor_lag", "chamber_filling", "transport_delay"])
-def test_what_is_in_the_valve_shows_at_a_glance_though_slopes_promise_little(key, tmp_path):
-    _, base = base_of_plant(9302, (key,), tmp_path)
+def test_what_is_in_the_valve_shows_at_a_glance_though_slopes_promise_little(key):
+    _, base = base_of_plant(9302, (key,))
     look = glanced(base, key)
     promised, seen = look.promised, look.fit
     others = [glanced(base, other).fit.found.error for other in ("spring_hardening", "linkage_backlash", "end_stop")]
@@ -19,21 +19,21 @@ def test_what_is_in_the_valve_shows_at_a_glance_though_slopes_promise_little(key
     assert 1.0 - seen.found.error / base.found.error > 2.0 * promised
 
 
-def test_what_comes_to_the_noise_at_a_glance_ends_where_a_whole_search_does(tmp_path):
-    _, base, found = fits_to_plant(9302, "sensor_lag", tmp_path)
+def test_what_comes_to_the_noise_at_a_glance_ends_where_a_whole_search_does():
+    _, base, found = fits_to_plant(9302, "sensor_lag")
     seen = glanced(base, "sensor_lag").fit
     assert seen.found.error < 1.05 * base.problem.noise_error
     assert continued(seen).found.error == pytest.approx(found.found.error, rel=0.01)
 
 
-def test_a_glance_leaves_no_more_than_the_fit_without(tmp_path):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_a_glance_leaves_no_more_than_the_fit_without():
+    _, base = base_of_plant(9302, ("sensor_lag",))
     for key in ("asymmetric_friction", "gap_drift", "presliding", "choked_flow"):
         assert glanced(base, key).fit.found.error <= base.found.error
 
 
-def test_beside_a_fit_that_leaves_little_slopes_tell_all(tmp_path):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_beside_a_fit_that_leaves_little_slopes_tell_all():
+    _, base = base_of_plant(9302, ("sensor_lag",))
     found = extend(base, "sensor_lag")
     look = glanced(found, "coil_lag")
     seen = look.fit
@@ -42,9 +42,9 @@ def test_beside_a_fit_that_leaves_little_slopes_tell_all(tmp_path):
     assert seen.model.effects["coil_lag"]["coil_time_constant"] == 0.0
 
 
-def test_a_glance_takes_few_points(tmp_path, monkeypatch):
+def test_a_glance_takes_few_points(monkeypatch):
     """A start, and what a lag takes over from friction and mass that made up for it."""
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+    _, base = base_of_plant(9302, ("sensor_lag",))
     asked = []
     monkeypatch.setattr(
         "identification.following.descend_roughly",
@@ -57,8 +57,8 @@ def test_a_glance_takes_few_points(tmp_path, monkeypatch):
     assert 1 <= len(asked) <= 2
 
 
-def test_what_comes_to_more_than_it_is_worth_is_not_followed_to_its_end(tmp_path, monkeypatch):
-    _, base, found = fits_to_plant(9302, "sensor_lag", tmp_path)
+def test_what_comes_to_more_than_it_is_worth_is_not_followed_to_its_end(monkeypatch):
+    _, base, found = fits_to_plant(9302, "sensor_lag")
     followed = []
     whole = extension.released_at_end
     monkeypatch.setattr(extension, "released_at_end", lambda *given: followed.append(given) or whole(*given))

@@ -18,8 +18,8 @@ from valvemodel.effects import effect_of_key
 
 
 @pytest.mark.parametrize(("seed", "order"), [(9302, "first_order"), (9306, "second_order"), (9314, "second_order")])
-def test_lag_of_either_order_is_explained_to_the_noise(seed, order, tmp_path):
-    plant, base, found = fits_to_plant(seed, "sensor_lag", tmp_path)
+def test_lag_of_either_order_is_explained_to_the_noise(seed, order):
+    plant, base, found = fits_to_plant(seed, "sensor_lag")
     assert plant.effects[0].formulation == order
     assert base.found.error > 4.0 * base.problem.noise_error
     assert found.found.error < 1.15 * found.problem.noise_error
@@ -28,9 +28,9 @@ def test_lag_of_either_order_is_explained_to_the_noise(seed, order, tmp_path):
     assert total == pytest.approx(plant.effects[0].parameters["time_constant"], rel=0.05)
 
 
-def test_a_second_lag_is_found_where_the_base_valve_made_up_for_the_first_by_mass_and_damping(tmp_path):
+def test_a_second_lag_is_found_where_the_base_valve_made_up_for_the_first_by_mass_and_damping():
     seed, profile = 1785193381, 946444716
-    plant, base, found = fits_to_plant(seed, "sensor_lag", tmp_path, profile=profile, nuisance=True)
+    plant, base, found = fits_to_plant(seed, "sensor_lag", profile=profile, nuisance=True)
     assert plant.effects[0].formulation == "second_order"
     assert base.model.values["stem_mass"] > 5.0 * plant.base["stem_mass"]
     assert found.found.error < 1.05 * found.problem.noise_error
@@ -39,10 +39,10 @@ def test_a_second_lag_is_found_where_the_base_valve_made_up_for_the_first_by_mas
     assert lag == pytest.approx(plant.effects[0].parameters["time_constant"], rel=0.01)
 
 
-def test_a_lag_is_found_from_a_sluggish_base_valve_and_from_beside_another_effect(tmp_path):
+def test_a_lag_is_found_from_a_sluggish_base_valve_and_from_beside_another_effect():
     """The base valve overshoots nowhere; from there a search had ended above 20, from the mass as given at 31."""
     seed, profile = 1506728585, 827035033
-    plant, base, found = fits_to_plant(seed, "sensor_lag", tmp_path, profile=profile, nuisance=True)
+    plant, base, found = fits_to_plant(seed, "sensor_lag", profile=profile, nuisance=True)
     assert found.found.error < 1.05 * found.problem.noise_error
     beside = extend(found, "asymmetric_viscous_friction")
     assert beside.found.error < 1.05 * beside.problem.noise_error
@@ -57,14 +57,12 @@ def test_a_lag_is_found_from_a_sluggish_base_valve_and_from_beside_another_effec
     ("seed", "profile", "other", "left", "off"),
     [(487619353, 1602509984, "end_stop", 1.1, 0.03), (1835734096, 163837514, "presliding", 1.4, 0.1)],
 )
-def test_a_lag_beside_another_effect_takes_over_what_friction_and_mass_made_up_for(
-    seed, profile, other, left, off, tmp_path
-):
+def test_a_lag_beside_another_effect_takes_over_what_friction_and_mass_made_up_for(seed, profile, other, left, off):
     """A search had ended beside a lag of a twentieth, and of a fifth, of the true one; to the last, it begins again.
 
     Beside bristles a hair decides whether it ends at the noise before that.
     """
-    plant, base = base_of_plant(seed, (other, "sensor_lag"), tmp_path, profile=profile, nuisance=True)
+    plant, base = base_of_plant(seed, (other, "sensor_lag"), profile=profile, nuisance=True)
     (truth,) = (each for each in plant.effects if each.effect == "sensor_lag")
     beside = extend(extend(base, other), "sensor_lag")
     for found, most, far in ((beside, left, off), (begun_again(beside), 1.1, 0.03)):
@@ -98,10 +96,8 @@ def test_only_too_much_friction_stands_in_for_a_lag_and_only_for_one():
         assert 600.0 * math.exp(valve["friction"]) < 2.0 * math.sqrt(rate * 1.4 * math.exp(valve["mass"]))
 
 
-def test_a_flux_that_lags_behind_its_core_is_told_from_a_current_that_lags_before_it(tmp_path):
-    _, base = base_of_plant(
-        1311547896, ("magnetic_hysteresis", "coil_lag"), tmp_path, profile=1932089513, nuisance=True
-    )
+def test_a_flux_that_lags_behind_its_core_is_told_from_a_current_that_lags_before_it():
+    _, base = base_of_plant(1311547896, ("magnetic_hysteresis", "coil_lag"), profile=1932089513, nuisance=True)
     found = extend(extend(base, "magnetic_hysteresis"), "coil_lag")
     assert found.found.error < 1.05 * found.problem.noise_error
     assert found.model.effects["coil_lag"]["lag_behind_core"] == 1.0
@@ -113,8 +109,8 @@ def test_a_flux_that_lags_behind_its_core_is_told_from_a_current_that_lags_befor
     assert first.found.error > 3.0 * first.problem.noise_error
 
 
-def test_without_a_core_that_bends_a_lag_has_one_order(tmp_path):
-    _, base = base_of_plant(9302, ("sensor_lag",), tmp_path)
+def test_without_a_core_that_bends_a_lag_has_one_order():
+    _, base = base_of_plant(9302, ("sensor_lag",))
     lag = effect_of_key("coil_lag")
     orders = [trial.problem.model.effects["coil_lag"]["lag_behind_core"] for trial in screened(base, lag)]
     assert orders == [0.0] * len(orders)
@@ -122,9 +118,9 @@ def test_without_a_core_that_bends_a_lag_has_one_order(tmp_path):
     assert {trace.values["lag_behind_core"] for trace in traces_of(base, lag)} == {0.0}
 
 
-def test_a_line_that_smears_is_found_from_one_that_does_not(tmp_path):
+def test_a_line_that_smears_is_found_from_one_that_does_not():
     """A search that stood at no lag had stayed there, with half as much mass again, and left 1.14 of the noise."""
-    plant, _, found = fits_to_plant(430206229, "transport_delay", tmp_path, profile=1152079594, nuisance=True)
+    plant, _, found = fits_to_plant(430206229, "transport_delay", profile=1152079594, nuisance=True)
     truth = plant.effects[0]
     assert truth.formulation == "dispersive_line"
     assert found.found.error < 1.03 * found.problem.noise_error

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blind_fits import fits_to_plant
+from blind_fits import base_of_plant, fits_to_plant
 
 from diagnosis.blindtest.chain.clock import clock_of
 from diagnosis.blindtest.chain.stem import load_force
@@ -27,8 +27,8 @@ SEEDS = [9224, 9226]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_a_wandering_load_is_explained_to_the_noise(seed, tmp_path):
-    plant, base, found = fits_to_plant(seed, "load_force", tmp_path, nuisance=True)
+def test_a_wandering_load_is_explained_to_the_noise(seed):
+    plant, base, found = fits_to_plant(seed, "load_force", nuisance=True)
     assert plant.effects[0].formulation == "wander"
     noise = found.problem.noise_error
     assert base.found.error > 20.0 * noise
@@ -37,17 +37,17 @@ def test_a_wandering_load_is_explained_to_the_noise(seed, tmp_path):
     assert freedom_of(found) == 3 + SERIES
 
 
-def test_waves_that_a_glance_asks_for_beyond_their_bounds_begin_at_these(tmp_path):
+def test_waves_that_a_glance_asks_for_beyond_their_bounds_begin_at_these():
     """Where half of a record is stuck they were asked to be many times as large, and the diagnosis broke off."""
-    _, base, _ = fits_to_plant(9226, "load_force", tmp_path)
+    _, base = base_of_plant(9226, ("load_force",))
     problem, point = joined(base.problem, base.found.point, LOAD, {**LOAD.typical, "load_cosine": -15e3})
     low = LOAD.parameter("load_cosine").low
     assert problem.model.effects["load_force"]["load_cosine"] == low > -15e3
     assert problem.values(point)["load_cosine"] == pytest.approx(low)
 
 
-def test_the_load_that_is_found_is_the_one_that_acted(tmp_path):
-    plant, _, found = fits_to_plant(9226, "load_force", tmp_path)
+def test_the_load_that_is_found_is_the_one_that_acted():
+    plant, _, found = fits_to_plant(9226, "load_force")
     experiment = found.problem.experiments[0]
     clock = clock_of(experiment.time, 1e-3)
     acted = -load_force(clock, tuple(plant.effects))[: len(experiment.time)]
@@ -60,23 +60,23 @@ def test_the_load_that_is_found_is_the_one_that_acted(tmp_path):
     assert np.median(np.abs(error)) < 0.15 * acted.std()
 
 
-def test_one_wave_is_enough_for_a_periodic_load(tmp_path):
-    plant, _, found = fits_to_plant(9208, "load_force", tmp_path, nuisance=True)
+def test_one_wave_is_enough_for_a_periodic_load():
+    plant, _, found = fits_to_plant(9208, "load_force", nuisance=True)
     assert plant.effects[0].formulation == "sine"
     assert found.model.effects["load_force"]["load_waves"] == 1.0
     assert freedom_of(found) == 3
 
 
-def test_a_series_is_not_tried_where_nothing_is_left_or_on_top_of_another(tmp_path):
-    _, base, found = fits_to_plant(9226, "load_force", tmp_path)
+def test_a_series_is_not_tried_where_nothing_is_left_or_on_top_of_another():
+    _, base, found = fits_to_plant(9226, "load_force")
     assert any(trial.problem.has_series for trial in screened(base, LOAD))
     done = extend(base, "load_force")
     assert done.problem.has_series
     assert not any(trial.problem.has_series and trial.gain > 0.5 * done.found.error for trial in screened(found, LOAD))
 
 
-def test_a_series_lasts_longer_than_the_record(tmp_path):
-    _, base, _ = fits_to_plant(9226, "load_force", tmp_path)
+def test_a_series_lasts_longer_than_the_record():
+    _, base = base_of_plant(9226, ("load_force",))
     lull, names = series_over(base.problem.experiments, LOAD)
     assert lull["load_period"] > base.problem.experiments[0].time[-1]
     assert len(names) == 2 * lull["load_waves"] == len(set(names))
@@ -112,8 +112,8 @@ def test_a_table_of_a_fit_folds_the_series(tmp_path):
 
 
 @pytest.mark.parametrize("key", ["area_variation", "sensor_lag"])
-def test_a_fit_with_a_series_bears_one_more_effect(key, tmp_path):
-    _, base, found = fits_to_plant(9226, "load_force", tmp_path)
+def test_a_fit_with_a_series_bears_one_more_effect(key):
+    _, base, found = fits_to_plant(9226, "load_force")
     further = extend(found, key)
     assert further.found.error <= found.found.error
     assert further.model.effects["load_force"]["load_waves"] == MOST_WAVES

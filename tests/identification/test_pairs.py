@@ -70,8 +70,8 @@ def test_an_effect_of_no_size_is_absent_where_its_sizes_tell(effect):
         assert resized(effect, start, 1.0)[each.name] == start[each.name]
 
 
-def test_the_two_effects_of_a_blind_valve_promise_most_together(tmp_path):
-    plant, base = base_of_plant(9402, ("asymmetric_filling", "gap_drift"), tmp_path)
+def test_the_two_effects_of_a_blind_valve_promise_most_together():
+    plant, base = base_of_plant(9402, ("asymmetric_filling", "gap_drift"))
     keys = ("asymmetric_filling", "gap_drift", "coil_lag", "spring_hardening", "sensor_lag", "linkage_backlash")
     traces = [each for key in keys for each in traces_of(base, effect_of_key(key))]
     first = promising_pairs(base, traces, 9)[0]

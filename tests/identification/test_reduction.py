@@ -11,8 +11,8 @@ KEY = "linkage_nonlinearity"
 
 
 @pytest.fixture(scope="module")
-def fits(tmp_path_factory):
-    _, base, found = fits_to_plant(9306, KEY, tmp_path_factory.mktemp("plant"))
+def fits():
+    _, base, found = fits_to_plant(9306, KEY)
     return base, found
 
 

@@ -23,9 +23,9 @@ STOP = Truth("end_stop", "stem", "rigid", {"side": -1.0, "reference_travel": 0.0
 
 
 @pytest.fixture(scope="module")
-def fits(tmp_path_factory):
+def fits():
     plant = Plant(2030783989, (BRISTLES, STOP), BASE, noise=1.24e-4)
-    base = base_of_record(measure(plant, 1067357766), tmp_path_factory.mktemp("plant"))
+    base = base_of_record(measure(plant, 1067357766))
     return base, extend(extend(base, "presliding"), "end_stop")
 
 
@@ -48,9 +48,9 @@ def test_a_fit_that_is_at_its_best_is_no_worse_for_it(fits):
         assert begun_again(fit).found.error <= fit.found.error
 
 
-def test_two_effects_are_found_though_all_forces_of_the_valve_with_one_were_many_times_too_small(tmp_path):
+def test_two_effects_are_found_though_all_forces_of_the_valve_with_one_were_many_times_too_small():
     keys = ("position_dependent_friction", "pressure_dependent_friction")
-    plant, base = base_of_plant(1032550951, keys, tmp_path, profile=1408653389, nuisance=True)
+    plant, base = base_of_plant(1032550951, keys, profile=1408653389, nuisance=True)
     tight = extend(base, keys[0])
     assert tight.model.values["spring_rate"] < 0.2 * plant.base["spring_rate"]
     assert is_far_off(tight)

@@ -11,8 +11,8 @@ from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 
 
-def test_a_core_that_saturates_as_tanh_is_explained_by_that_law(tmp_path):
-    plant, base, found = fits_to_plant(1620215614, "magnetic_saturation", tmp_path, profile=774532524, nuisance=True)
+def test_a_core_that_saturates_as_tanh_is_explained_by_that_law():
+    plant, base, found = fits_to_plant(1620215614, "magnetic_saturation", profile=774532524, nuisance=True)
     truth = plant.effects[0]
     assert truth.formulation == "tanh"
     assert base.found.error > 1.4 * base.problem.noise_error
@@ -22,13 +22,13 @@ def test_a_core_that_saturates_as_tanh_is_explained_by_that_law(tmp_path):
     assert abs(numbers["saturation_knee"] - truth.parameters["knee_current"]) < 1e-3
 
 
-def test_two_straight_lines_of_any_slope_are_explained_by_that_law(tmp_path, monkeypatch):
+def test_two_straight_lines_of_any_slope_are_explained_by_that_law(monkeypatch):
     def kinked(current, truth):
         knee, curvature = truth.parameters["knee_current"], truth.parameters["knee_curvature"]
         return np.minimum(current, knee) + np.maximum(current - knee, 0.0) / (1.0 + 0.01 * curvature)
 
     monkeypatch.setattr(electromagnet, "_saturation", kinked)
-    plant, base, found = fits_to_plant(9503, "magnetic_saturation", tmp_path)
+    plant, base, found = fits_to_plant(9503, "magnetic_saturation")
     truth = plant.effects[0].parameters
     assert base.found.error > 50.0 * base.problem.noise_error
     assert found.found.error < 1.02 * found.problem.noise_error

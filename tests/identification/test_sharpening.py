@@ -38,9 +38,9 @@ def test_each_round_begins_where_the_best_was_found_and_looks_nearer(monkeypatch
     assert list(starts) == [min([10.0, *errors[:number]]) for number in range(rounds)]
 
 
-def test_a_search_from_afar_leads_out_of_a_side_minimum(tmp_path):
+def test_a_search_from_afar_leads_out_of_a_side_minimum():
     """Whether the fit itself ends there hangs by the last bit, as processors differ: too much damping leads there."""
-    _, _, found = fits_to_plant(30023, "static_friction", tmp_path, nuisance=True)
+    _, _, found = fits_to_plant(30023, "static_friction", nuisance=True)
     near, noise = sharpening.sharpened(found), found.problem.noise_error
     start = near.found.point + np.array([each.name == "viscous_friction" for each in near.unknowns])
     aside = finished(near.problem, descend_to_end(near.problem, start))
@@ -97,9 +97,9 @@ def test_of_points_as_good_the_one_is_taken_that_does_best_on_all_that_was_measu
     assert sharpening.steadied(goes, ["one"]).found.error <= 100.16
 
 
-def test_what_was_not_fitted_is_run_as_it_is_scored(tmp_path):
+def test_what_was_not_fitted_is_run_as_it_is_scored():
     """All samples of the record that was fitted, and another from its first reading, in the middle of a loop."""
-    _, _, found = fits_to_plant(30023, "static_friction", tmp_path, nuisance=True)
+    _, _, found = fits_to_plant(30023, "static_friction", nuisance=True)
     key = "magnetic_hysteresis"
     loop = {each.name: each.neutral for each in effect_of_key(key).parameters} | {"hysteresis_half_width": 4e-4}
     problem, point = joined(found.problem, found.found.point, effect_of_key(key), loop | {"hysteresis_start": 0.9})

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blind_fits import fits_to_plant
+from blind_fits import base_of_plant, fits_to_plant
 
 from identification.extension import Extension, extend
 from identification.screening import placed, screened
@@ -13,20 +13,20 @@ KEY = "position_dependent_friction"
 
 
 @pytest.mark.parametrize("seed", [9300, 9311, 9324, 9330])
-def test_a_tight_spot_is_found_whether_a_start_leads_to_it_or_not(seed, tmp_path):
-    _, _, found = fits_to_plant(seed, KEY, tmp_path)
+def test_a_tight_spot_is_found_whether_a_start_leads_to_it_or_not(seed):
+    _, _, found = fits_to_plant(seed, KEY)
     assert found.found.error < 1.05 * found.problem.noise_error
 
 
 @pytest.mark.parametrize(("seed", "is_lost"), [(9300, False), (9324, True), (9330, True)])
-def test_starts_alone_may_lose_a_tight_spot(seed, is_lost, tmp_path):
-    _, base, _ = fits_to_plant(seed, KEY, tmp_path)
+def test_starts_alone_may_lose_a_tight_spot(seed, is_lost):
+    _, base = base_of_plant(seed, (KEY,))
     assert (extend(base, KEY, Extension(is_global=False)).found.error > 10.0 * base.problem.noise_error) == is_lost
 
 
 @pytest.mark.parametrize("seed", [9300, 9311])
-def test_a_tight_spot_is_found_where_it_is_as_high_and_as_wide(seed, tmp_path):
-    plant, _, found = fits_to_plant(seed, KEY, tmp_path)
+def test_a_tight_spot_is_found_where_it_is_as_high_and_as_wide(seed):
+    plant, _, found = fits_to_plant(seed, KEY)
     values, truth = found.model.effects[KEY], plant.effects[0].parameters
     assert values["tight_spot_position"] == pytest.approx(truth["centre"], abs=5e-4)
     assert values["tight_spot_excess"] == pytest.approx(truth["height"], rel=0.02)
@@ -34,23 +34,23 @@ def test_a_tight_spot_is_found_where_it_is_as_high_and_as_wide(seed, tmp_path):
     assert values["tight_spot_width"] == pytest.approx(np.sqrt(2.0) * truth["width"], rel=0.02)
 
 
-def test_the_start_searched_for_promises_more_than_any_at_hand(tmp_path):
-    _, base, _ = fits_to_plant(9311, KEY, tmp_path)
+def test_the_start_searched_for_promises_more_than_any_at_hand():
+    _, base = base_of_plant(9311, (KEY,))
     trials = screened(base, effect_of_key(KEY))
     start = placed(base, effect_of_key(KEY), trials)
     left = [2.0 * base.found.error - each.gain for each in (start, trials[0])]
     assert left[0] < 0.8 * left[1]
 
 
-def test_bristles_are_not_followed_where_they_promise_nothing(tmp_path):
-    _, base, _ = fits_to_plant(9306, KEY, tmp_path)
+def test_bristles_are_not_followed_where_they_promise_nothing():
+    _, base = base_of_plant(9306, (KEY,))
     found = extend(base, "presliding")
     assert found.found.error == base.found.error
     assert found.model.effects["presliding"]["presliding_compliance"] == 0.0
 
 
-def test_what_promises_less_than_is_asked_is_not_followed(tmp_path):
-    _, base, found = fits_to_plant(9306, "sensor_drift", tmp_path)
+def test_what_promises_less_than_is_asked_is_not_followed():
+    _, base, found = fits_to_plant(9306, "sensor_drift")
     promised = screened(base, effect_of_key("sensor_drift"))[0].gain / (2.0 * base.found.error)
     assert promised > 0.0
     followed = extend(base, "sensor_drift", Extension(promise=0.99 * promised))

@@ -7,9 +7,9 @@ from valvemodel.model import Model
 from valvemodel.valves import read_valve
 
 
-def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way(tmp_path):
+def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way():
     key = "asymmetric_viscous_friction"
-    plant, base, found = fits_to_plant(1462683686, key, tmp_path, profile=1557603759, nuisance=True)
+    plant, base, found = fits_to_plant(1462683686, key, profile=1557603759, nuisance=True)
     damping, factor = plant.base["viscous_friction"], 1.0 + plant.effects[0].parameters["excess"]
     assert plant.effects[0].formulation == "both_sides"
     high, low = damping * factor, damping / factor**0.5
@@ -18,9 +18,9 @@ def test_a_search_for_uneven_damping_finds_a_valve_that_overshoots_one_way(tmp_p
     assert abs(found.model.effects[key]["viscous_asymmetry"] - (high - low) / (high + low)) < 0.03
 
 
-def test_the_side_to_which_slopes_promise_less_is_followed_too(tmp_path):
+def test_the_side_to_which_slopes_promise_less_is_followed_too():
     """From the base valve alone all starts to the wrong side promise more."""
-    _, base, found = fits_to_plant(63720192, "asymmetric_viscous_friction", tmp_path, profile=672236625, nuisance=True)
+    _, base, found = fits_to_plant(63720192, "asymmetric_viscous_friction", profile=672236625, nuisance=True)
     assert base.found.error > 5.0 * base.problem.noise_error
     assert found.found.error < 1.05 * found.problem.noise_error
     assert found.model.effects["asymmetric_viscous_friction"]["viscous_asymmetry"] > 0.5

@@ -21,8 +21,8 @@ def error_of_sharp_play(base: Fit, half_width: float) -> float:
     return descend(replace(problem, unknowns=free), point[is_free], evaluations=40, precision=1e-6).error
 
 
-def test_worn_joint_is_explained_to_the_noise_where_a_sharp_play_is_not(tmp_path):
-    plant, base, found = fits_to_plant(9403, "linkage_backlash", tmp_path)
+def test_worn_joint_is_explained_to_the_noise_where_a_sharp_play_is_not():
+    plant, base, found = fits_to_plant(9403, "linkage_backlash")
     truth, noise = plant.effects[0], found.problem.noise_error
     assert truth.formulation == "worn_play"
     half_widths = [1e-3, 4e-3, 0.5 * truth.parameters["play"]]
@@ -33,18 +33,18 @@ def test_worn_joint_is_explained_to_the_noise_where_a_sharp_play_is_not(tmp_path
     assert 2.0 * numbers["backlash_half_width"] == pytest.approx(truth.parameters["play"], rel=0.06)
 
 
-def test_sharp_play_is_found_without_wear(tmp_path):
-    plant, base, found = fits_to_plant(9412, "linkage_backlash", tmp_path)
+def test_sharp_play_is_found_without_wear():
+    plant, base, found = fits_to_plant(9412, "linkage_backlash")
     assert plant.effects[0].formulation == "play"
     assert base.found.error > 1.4 * base.problem.noise_error
     assert found.found.error < 1.05 * found.problem.noise_error
     assert found.model.effects["linkage_backlash"]["backlash_wear"] < 0.03
 
 
-def test_where_a_record_began_in_a_loop_is_not_carried_over_to_another(tmp_path):
+def test_where_a_record_began_in_a_loop_is_not_carried_over_to_another():
     key = "magnetic_hysteresis"
     neutral = {each.name: each.neutral for each in effect_of_key(key).parameters}
-    _, base = base_of_plant(9412, ("linkage_backlash",), tmp_path)
+    _, base = base_of_plant(9412, ("linkage_backlash",))
     fitted = base.problem.experiments[0]
     # One that begins with a long stroke forgets where it began.
     fitted = replace(fitted, current=0.012 + 1.5e-3 * np.sin(0.3 * fitted.time))
