@@ -47,6 +47,8 @@ class IndependentChain:
 
     def saturated(self, current):
         """Normal magnetisation curve."""
+        if self.saturation_slope == 1.0:
+            return current
         width, knee, reach = self.saturation_rounding, self.saturation_knee, self.saturation_reach
 
         def lost(x):
@@ -115,14 +117,13 @@ class IndependentChain:
             bent = self.saturated(flux + 1e-30j * rates[FLUX]).imag / 1e-30
             rates[LOOP] = self.loop_rate(x[LOOP], bent)
         gap = self.gap(flux, x[LOOP], time)
-        if self.compressible_share == 0.0:
-            moved = self.gap(flux + 1e-30j * rates[FLUX], x[LOOP] + 1e-30j * rates[LOOP], time + 1e-30j)
-            share_rate = self.share(moved).imag / 1e-30
-        else:
-            share_rate = 0.0
         share = self.share(gap)
         pressure = (self.supply_pressure - x[SAG]) * share
         if self.droop_gain > 0.0 or self.droop_consumption > 0.0:
+            share_rate = 0.0
+            if self.compressible_share == 0.0:
+                moved = self.gap(flux + 1e-30j * rates[FLUX], x[LOOP] + 1e-30j * rates[LOOP], time + 1e-30j)
+                share_rate = self.share(moved).imag / 1e-30
             recovery = (self.settled_sag(share) - x[SAG]) / self.droop_recovery_time
             tendency = (self.supply_pressure - x[SAG]) * share_rate - share * recovery
             rates[SAG] = recovery
