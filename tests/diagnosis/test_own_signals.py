@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -36,19 +38,37 @@ LEADS = {
 """What of its stage's signals each effect is."""
 
 
-def fitted(given: Model, effects: tuple[str, ...], seed: int, *, with_pressure: bool = False) -> tuple[Experiment, Fit]:
-    taken = measure(draw_plant(seed, effects), seed + 1000, duration=100.0, with_pressure=with_pressure)
-    experiment = experiment_of(Record.from_arrays(name="plant", **taken))
-    return experiment, fit_base(given, [experiment])
+@pytest.fixture(scope="module")
+def fitted(given: Model) -> Callable[..., tuple[Experiment, Fit]]:
+    """Fit the base to the record of a plant with some effects, once for each."""
+
+    @cache
+    def fit(*effects: str, seed: int, with_pressure: bool = False) -> tuple[Experiment, Fit]:
+        taken = measure(draw_plant(seed, effects), seed + 1000, duration=100.0, with_pressure=with_pressure)
+        experiment = experiment_of(Record.from_arrays(name="plant", **taken))
+        return experiment, fit_base(given, [experiment])
+
+    return fit
 
 
 def asked(experiment: Experiment, base: Fit) -> list[Explained]:
     return explained_by_stages(experiment, base, base.starts[0], STAGES, None)
 
 
+@pytest.fixture(scope="module")
+def told(fitted: Callable[..., tuple[Experiment, Fit]]) -> Callable[..., list[Explained]]:
+    """Ask all stages about the record of a plant with an effect, once for each."""
+
+    @cache
+    def ask(effect: str, seed: int) -> list[Explained]:
+        return asked(*fitted(effect, seed=seed))
+
+    return ask
+
+
 @pytest.mark.parametrize("effect", LEADS)
-def test_stage_of_an_effect_explains_most_and_by_what_it_is(given: Model, effect: str) -> None:
-    found = asked(*fitted(given, (effect,), seed=21))
+def test_stage_of_an_effect_explains_most_and_by_what_it_is(told, effect: str) -> None:
+    found = told(effect, 21)
     stage = effect_of_key(effect).stage
     assert stage in [each.stage for each in found[:2]]
     own = next(each.as_json() for each in found if each.stage == stage)
@@ -58,9 +78,9 @@ def test_stage_of_an_effect_explains_most_and_by_what_it_is(given: Model, effect
     assert found[0].excess < 0.5 * found[-1].excess
 
 
-def test_what_is_explained_is_what_was_added(given: Model) -> None:
+def test_what_is_explained_is_what_was_added(fitted) -> None:
     """A creep of the reading is found in size and course, laid on top of what the base reads."""
-    experiment, base = fitted(given, (), seed=22)
+    experiment, base = fitted(seed=22)
     run = base.simulated_on(experiment)
     added = 6e-3 * (experiment.time / experiment.time[-1]) ** 2
     noise = experiment.noise * np.random.default_rng(3).standard_normal(len(added))
@@ -138,9 +158,9 @@ def test_slowly_logged_record_is_asked_too(given: Model) -> None:
     assert {"force", "friction"} <= {curve.signal for curve in curves}
 
 
-def test_what_the_base_makes_of_one_record_alone_is_none_of_a_stages(given: Model) -> None:
+def test_what_the_base_makes_of_one_record_alone_is_none_of_a_stages(given: Model, fitted) -> None:
     """Two records of valves with another spring and friction, nothing else missing, fitted together."""
-    experiment, _ = fitted(given, (), seed=22)
+    experiment, _ = fitted(seed=22)
     generator = np.random.default_rng(4)
 
     def of_valve(name: str, **values: float) -> Experiment:
@@ -168,8 +188,8 @@ def test_lag_is_that_of_the_times_that_there_are() -> None:
     assert seen.lag(signal, 0.3) == pytest.approx(expected, abs=1e-12)
 
 
-def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) -> None:
-    experiment, base = fitted(given, ("position_dependent_friction",), seed=21)
+def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(fitted) -> None:
+    experiment, base = fitted("position_dependent_friction", seed=21)
     where = where_of([experiment], base).with_own_signals(None)
     content = where.as_json()
     json.dumps(content, allow_nan=False)
@@ -182,30 +202,29 @@ def test_unknown_cause_is_told_by_what_its_stage_would_have_to_do(given: Model) 
     assert {curve.signal for curve in curves} == {"force", "friction"}
 
 
-def curves_of_stem(given: Model, effect: str, seed: int) -> list[Curve]:
-    experiment, base = fitted(given, (effect,), seed)
-    stem = [each for each in asked(experiment, base) if each.stage == "stem"]
+def curves_of_stem(explained: list[Explained]) -> list[Curve]:
+    stem = [each for each in explained if each.stage == "stem"]
     return sorted(curves_of_own_signals(stem), key=lambda curve: -curve.share)
 
 
 @pytest.mark.parametrize("seed", [21, 23])
-def test_friction_over_position_shows_where_the_tight_spot_is(given: Model, seed: int) -> None:
+def test_friction_over_position_shows_where_the_tight_spot_is(told, seed: int) -> None:
     plant = draw_plant(seed, ("position_dependent_friction",))
-    curve = curves_of_stem(given, "position_dependent_friction", seed)[0]
+    curve = curves_of_stem(told("position_dependent_friction", seed))[0]
     assert (curve.signal, curve.against, curve.unit) == ("friction", "position", "N")
     true_place = next(each.parameters["centre"] for each in plant.effects if not each.nuisance)
     assert curve.at[np.argmax(curve.mean)] == pytest.approx(true_place, abs=0.015)
     assert curve.share > 0.5
 
 
-def test_friction_that_differs_up_and_down_goes_with_the_speed(given: Model) -> None:
-    curve = curves_of_stem(given, "asymmetric_viscous_friction", 21)[0]
+def test_friction_that_differs_up_and_down_goes_with_the_speed(told) -> None:
+    curve = curves_of_stem(told("asymmetric_viscous_friction", 21))[0]
     assert curve.against == "speed"
     assert curve.share > 0.5
 
 
-def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> None:
-    experiment, base = fitted(given, ("position_dependent_friction",), seed=23, with_pressure=True)
+def test_behind_a_measured_pressure_stem_and_sensor_are_asked(fitted) -> None:
+    experiment, base = fitted("position_dependent_friction", seed=23, with_pressure=True)
     where = where_of([experiment], base).with_own_signals(None)
     assert [each.stage for each in where.explained] == ["stem", "sensor"]
     assert where.explained[0].as_json()["gap_closed"] > 0.6
@@ -213,6 +232,6 @@ def test_behind_a_measured_pressure_stem_and_sensor_are_asked(given: Model) -> N
     assert next(iter(where.explained[0].left_by)) == "friction by position"
 
 
-def test_nothing_is_asked_where_a_cause_was_found(given: Model) -> None:
-    experiment, base = fitted(given, (), seed=22)
+def test_nothing_is_asked_where_a_cause_was_found(fitted) -> None:
+    experiment, base = fitted(seed=22)
     assert where_of([experiment], base).as_json()["own_signals"] == []
