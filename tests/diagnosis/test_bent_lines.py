@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from diagnosis import beside_slips as slips
+from diagnosis import trying
 from diagnosis.beside_slips import bends_to_stairs, bent_lines
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.looks import look_alone, look_beside
@@ -41,24 +43,30 @@ EMPTY = Workshop(None)
 """Without a record, and all alone."""
 
 
-def plant_and_base(given, seed: int, *keys: str, reach: float = REACH):
-    """Return a blind plant, what is held out of its record, and the base valve fitted to the rest."""
-    plant = draw_plant(seed, keys)
-    record = Record.from_arrays(name="plant", **measure(plant, seed + 7))
-    holdout = hold_out([replace(experiment_of(record), reach=reach)])
-    return plant, holdout, fit_base(given, holdout.experiments, holdout.fitted)
+@pytest.fixture(scope="module")
+def plant_and_base(given):
+    """Return a blind plant, what is held out of its record, and the base valve fitted to the rest, once for each."""
+
+    @cache
+    def fitted(seed: int, *keys: str, reach: float = REACH):
+        plant = draw_plant(seed, keys)
+        record = Record.from_arrays(name="plant", **measure(plant, seed + 7))
+        holdout = hold_out([replace(experiment_of(record), reach=reach)])
+        return plant, holdout, fit_base(given, holdout.experiments, holdout.fitted)
+
+    return fitted
 
 
 @pytest.fixture(scope="module")
-def drifting(given):
+def drifting(plant_and_base):
     """A plant whose gap drifts beside friction that falls with speed."""
-    return plant_and_base(given, 9204, "gap_drift", "stribeck")
+    return plant_and_base(9204, "gap_drift", "stribeck")
 
 
 @pytest.mark.parametrize("seed", [9403, 9404])
-def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(given, seed):
+def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(plant_and_base, seed):
     """They say little of where the stem is, and it may move all the time."""
-    _, _, base = plant_and_base(given, seed, "quantisation")
+    _, _, base = plant_and_base(seed, "quantisation")
     (experiment,) = base.problem.experiments
     assert len(list(rests_of(experiment.position, experiment.noise))) > LEAST_BREAKAWAYS
     assert coarse_step(experiment) > 0.0
@@ -67,9 +75,9 @@ def test_no_line_is_laid_through_the_rests_of_a_coarse_reading(given, seed):
 
 
 @pytest.fixture(scope="module")
-def coarse(given):
+def coarse(plant_and_base):
     """A plant that jumps by several steps of a coarse reading, and the base valve that reads in those."""
-    plant, holdout, base = plant_and_base(given, 31004, "stribeck", "quantisation")
+    plant, holdout, base = plant_and_base(31004, "stribeck", "quantisation")
     return plant, holdout, extend(base, "quantisation")
 
 
@@ -117,9 +125,9 @@ def test_a_display_is_no_coarse_reading_to_search_on_top_of(drifting, monkeypatc
 
 
 @pytest.fixture(scope="module")
-def swaying(given):
+def swaying(plant_and_base):
     """A plant that jumps under a load that varies at will."""
-    return plant_and_base(given, 31103, "stribeck", "load_force")
+    return plant_and_base(31103, "stribeck", "load_force")
 
 
 def test_a_load_at_will_brings_breakaways_onto_a_line(swaying):
@@ -212,8 +220,8 @@ def test_what_bends_a_line_much_is_found_beside_the_valve_as_it_was_given(given)
     assert bent_afresh(base, line, effect_of_key("area_variation")) is None
 
 
-def test_play_shows_where_the_reading_turns(given):
-    plant, _, base = plant_and_base(given, 9210, "linkage_backlash", "stribeck")
+def test_play_shows_where_the_reading_turns(plant_and_base):
+    plant, _, base = plant_and_base(9210, "linkage_backlash", "stribeck")
     line = straight_line(base)
     bent = bent_line(base, line, effect_of_key("linkage_backlash"))
     assert not line.is_explained
@@ -226,9 +234,9 @@ def test_play_shows_where_the_reading_turns(given):
     assert off[turns].max() > 10.0 * off[~turns].max()
 
 
-def test_breakaways_of_stick_slip_alone_lie_on_the_line(given):
+def test_breakaways_of_stick_slip_alone_lie_on_the_line(plant_and_base):
     for seed in (9201, 9203):
-        _, _, base = plant_and_base(given, seed, "stribeck")
+        _, _, base = plant_and_base(seed, "stribeck")
         assert straight_line(base).is_explained
 
 
@@ -252,8 +260,8 @@ def test_effects_that_leave_rests_as_they_are_bend_no_line(drifting):
 
 
 @pytest.mark.parametrize("seed", [9413, 9417, 9422])
-def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(given, seed):
-    plant, holdout, base = plant_and_base(given, seed, "asymmetric_viscous_friction", "static_friction")
+def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(plant_and_base, seed):
+    plant, holdout, base = plant_and_base(seed, "asymmetric_viscous_friction", "static_friction")
     line, law = straight_line(base), effect_of_key("static_friction")
     shaped = bent_line(base, line, effect_of_key("asymmetric_viscous_friction"))
     assert shaped.line.error == line.error
@@ -267,8 +275,8 @@ def test_what_shapes_slips_is_searched_with_them_on_the_line_as_it_is(given, see
         assert asymmetry == pytest.approx(direction * excess / (2.0 + excess), abs=0.1)
 
 
-def test_a_reading_that_lags_shows_breakaways_late(given):
-    _, _, base = plant_and_base(given, 9437, "sensor_lag", "stribeck")
+def test_a_reading_that_lags_shows_breakaways_late(plant_and_base):
+    _, _, base = plant_and_base(9437, "sensor_lag", "stribeck")
     line, law = straight_line(base), effect_of_key("stribeck")
     assert not line.is_explained
     read = bent_line(base, line, effect_of_key("sensor_lag"))
@@ -280,8 +288,8 @@ def test_a_reading_that_lags_shows_breakaways_late(given):
 
 
 @pytest.mark.filterwarnings("error")
-def test_a_line_is_laid_where_no_breakaway_is_on_a_ramp(given):
-    _, _, base = plant_and_base(given, 9201, "stribeck")
+def test_a_line_is_laid_where_no_breakaway_is_on_a_ramp(plant_and_base):
+    _, _, base = plant_and_base(9201, "stribeck")
     every, point = breakaways_of(base.problem), base.found.point
     pairs = zip(every.rests[0], every.is_ramped(point), strict=True)
     steps = replace(every, rests=[[rest for rest, is_ramped in pairs if not is_ramped]])
@@ -290,8 +298,8 @@ def test_a_line_is_laid_where_no_breakaway_is_on_a_ramp(given):
     assert line.error <= float(counted(steps.enclosed(point[None, :]))[0])
 
 
-def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(given):
-    _, _, base = plant_and_base(given, 9201, "stribeck")
+def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(plant_and_base):
+    _, _, base = plant_and_base(9201, "stribeck")
     line = straight_line(base)
     moved = line.point.copy()
     moved[line.columns] += 3.0 * line.slack @ np.ones(len(line.columns))
@@ -304,8 +312,8 @@ def test_a_line_is_found_from_beside_it_along_what_it_leaves_open(given):
 
 
 @pytest.mark.parametrize(("seed", "law"), [(9402, "stribeck"), (9407, "stribeck"), (9403, "static_friction")])
-def test_a_dead_time_is_told_by_the_line_to_a_sample(given, seed, law):
-    plant, _, base = plant_and_base(given, seed, "transport_delay", law)
+def test_a_dead_time_is_told_by_the_line_to_a_sample(plant_and_base, seed, law):
+    plant, _, base = plant_and_base(seed, "transport_delay", law)
     line = straight_line(base)
     assert not line.is_explained
     bent = bent_line(base, line, effect_of_key("transport_delay"))
@@ -315,8 +323,8 @@ def test_a_dead_time_is_told_by_the_line_to_a_sample(given, seed, law):
     assert bent_line(base, line, effect_of_key("gap_drift")) is None
 
 
-def test_a_lag_bends_the_line_as_well(given):
-    _, _, base = plant_and_base(given, 9401, "coil_lag", "stribeck")
+def test_a_lag_bends_the_line_as_well(plant_and_base):
+    _, _, base = plant_and_base(9401, "coil_lag", "stribeck")
     line = straight_line(base)
     assert not line.is_explained
     bent = bent_line(base, line, effect_of_key("coil_lag"))
@@ -325,8 +333,8 @@ def test_a_lag_bends_the_line_as_well(given):
     assert not bends_to_stairs(base, [effect_of_key("gap_drift")], EMPTY)
 
 
-def test_no_stairs_are_seen_where_the_line_is_straight(given):
-    _, _, base = plant_and_base(given, 9201, "stribeck")
+def test_no_stairs_are_seen_where_the_line_is_straight(plant_and_base):
+    _, _, base = plant_and_base(9201, "stribeck")
     assert not bends_to_stairs(base, [effect_of_key("coil_lag")], EMPTY)
 
 
@@ -348,9 +356,9 @@ def test_lines_are_laid_afresh_with_what_bends_them_already_or_with_all(monkeypa
     assert asked == [], "one explains the breakaways"
 
 
-def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
+def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(plant_and_base):
     """Each of three brings the breakaways onto a line; how far a slip goes tells the plant's from the others."""
-    _, _, base = plant_and_base(given, 9409, "asymmetric_friction", "static_friction")
+    _, _, base = plant_and_base(9409, "asymmetric_friction", "static_friction")
     line = straight_line(base)
     keys = ("asymmetric_friction", "friction_drift", "sensor_drift")
     bent = bent_lines(base, line, [effect_of_key(key) for key in keys], EMPTY)
@@ -364,8 +372,8 @@ def test_the_slips_tell_what_is_beside_a_law_where_lines_tell_little(given):
     )
 
 
-def test_stick_slip_is_found_on_top_of_what_bends_the_line(given):
-    plant, holdout, base = plant_and_base(given, 9204, "spring_hardening", "stribeck")
+def test_stick_slip_is_found_on_top_of_what_bends_the_line(plant_and_base):
+    plant, holdout, base = plant_and_base(9204, "spring_hardening", "stribeck")
     bent = bent_line(base, straight_line(base), effect_of_key("spring_hardening"))
     found = extend(bent.fit, "stribeck")
     assert score_fit(found, holdout).misfit < 0.3 * score_fit(extend(base, "stribeck"), holdout).misfit
@@ -392,14 +400,16 @@ def test_a_line_leaves_open_what_few_breakaways_do_not_tell(drifting):
 
 
 @pytest.mark.parametrize("seed", [9301, 9302, 9306])
-def test_a_search_about_a_jagged_fit_comes_nearer_to_what_it_was_given(given, seed):
-    _, holdout, base = plant_and_base(given, seed, "sensor_drift", "static_friction", reach=np.inf)
+def test_a_search_about_a_jagged_fit_comes_nearer_to_what_it_was_given(plant_and_base, seed, monkeypatch):
+    _, holdout, base = plant_and_base(seed, "sensor_drift", "static_friction", reach=np.inf)
     drift = try_effect(Work(base, ("sensor_drift",), is_global=False), holdout).fit
     pair = try_effect(Work(drift, ("sensor_drift", "static_friction"), is_global=True), holdout)
-    sharper = sharpened(pair.fit)
+    made = []
+    monkeypatch.setattr(trying, "sharpened", lambda fit: made.append(sharpened(fit)) or made[-1])
+    kept = sharpen(pair, holdout)
+    (sharper,) = made
     assert error_in_both_runs(sharper) < 0.95 * error_in_both_runs(pair.fit)
     assert error_in_both_runs(sharpened(sharper)) <= error_in_both_runs(sharper)
-    kept = sharpen(pair, holdout)
     assert kept.effects == pair.effects
     assert kept.score.misfit <= pair.score.misfit
     assert blunt([pair], pair) == [pair]
@@ -576,8 +586,8 @@ def test_both_laws_are_searched_for_beside_the_nearest_effect_only():
     ]
 
 
-def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(given):
-    plant, _, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
+def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(plant_and_base):
+    plant, _, base = plant_and_base(9206, "pressure_dependent_friction", "stribeck")
     line = straight_line(base)
     bent = bent_line(base, line, effect_of_key("pressure_dependent_friction"))
     assert bent is not None
@@ -596,8 +606,8 @@ def test_friction_that_adds_to_coulombs_is_overcome_by_the_same_ratio(given):
     assert float(ratio) - 1.0 == pytest.approx(true.parameters["static_excess"], rel=0.3)
 
 
-def test_a_law_found_beside_one_effect_is_near_beside_another(given):
-    _, _, base = plant_and_base(given, 9206, "pressure_dependent_friction", "stribeck")
+def test_a_law_found_beside_one_effect_is_near_beside_another(plant_and_base):
+    _, _, base = plant_and_base(9206, "pressure_dependent_friction", "stribeck")
     line, law = straight_line(base), effect_of_key("stribeck")
     bent = bent_line(base, line, effect_of_key("pressure_dependent_friction"))
     (found, *_) = slips_by(bent.fit, law, line=bent.line)
