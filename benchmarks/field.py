@@ -24,9 +24,9 @@ def data_folder() -> Path:
 def main() -> None:
     """Print verdict, gap before and after on the unseen record, and seconds, for each valve."""
     from diagnosis.diagnosing import diagnose
+    from identification.driving.timing import experiments_of
     from identification.experiment import Experiment
     from identification.fit import Fit
-    from identification.timing import experiments_of
     from valvemodel.model import Model
     from valvemodel.records import read_record
     from valvemodel.valves import read_valve

@@ -52,7 +52,7 @@ def far_start(model: Model, seed: int) -> Model:
 
 def misses(fit: Fit, truth: Model) -> list[str]:
     """Return the parameters that are neither within the share nor within their own deviations."""
-    from identification.uncertainty import estimates
+    from identification.determined.uncertainty import estimates
 
     missed = []
     for each in estimates(fit):

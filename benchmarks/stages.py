@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import Any
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.where import where_of
+from diagnosis.whereabouts.where import where_of
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from valvemodel.declarations import FRONT

@@ -9,11 +9,11 @@ import argparse
 import time
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.choosing.stairs import on_stairs
 from diagnosis.score import score_fit
-from diagnosis.stairs import on_stairs
-from diagnosis.workshop import Workshop
+from diagnosis.trying.workshop import Workshop
 from identification.experiment import experiment_of
-from identification.extension import Extension, extend
+from identification.extending.extension import Extension, extend
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from valvemodel.model import Model

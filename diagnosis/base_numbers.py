@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from identification.determined.uncertainty import Estimate, rms_of
 from identification.experiment import Experiment
 from identification.fit import Fit, measured
-from identification.uncertainty import Estimate, rms_of
 from valvemodel.model import Model
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from diagnosis.diagnosing import diagnose as diagnose_valve
+from diagnosis.trying.workshop import Progress, tell_nobody
 from diagnosis.valve_diagnosis import Diagnosis
-from diagnosis.workshop import Progress, tell_nobody
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import Record
@@ -15,7 +15,7 @@ from valvemodel.records.several import check_one_kind
 from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
-    from diagnosis.stem_only import StemOnlyDiagnosis
+    from diagnosis.stem.diagnosing import StemOnlyDiagnosis
 
 
 def diagnose(
@@ -62,6 +62,6 @@ def diagnose(
         return diagnose_valve(records, model, candidates=candidates, jobs=jobs, progress=progress)
     if candidates is not None:
         raise InputError("candidates are chosen for records with current", "these have force", "leave them out")
-    from diagnosis.stem_only import diagnose_stem_records
+    from diagnosis.stem.diagnosing import diagnose_stem_records
 
     return diagnose_stem_records(records, model, progress=progress)

@@ -10,32 +10,32 @@ from dataclasses import replace
 import numpy as np
 
 from diagnosis.base_numbers import base_numbers
-from diagnosis.breakaway_curves import curves_of_ageing
-from diagnosis.ceiling import ceiling_of
-from diagnosis.confusability import confusability
-from diagnosis.curve import Curve
-from diagnosis.finding import finding_of, with_parameters
-from diagnosis.hiding import with_hidden
-from diagnosis.own_signals import Explained
-from diagnosis.regime_map import regime_map
-from diagnosis.regimes import regimes_of
-from diagnosis.residual_curves import residual_curves
+from diagnosis.choosing.searching import Search
+from diagnosis.judging.ceiling import ceiling_of
+from diagnosis.judging.confusability import confusability
+from diagnosis.judging.finding import finding_of, with_parameters
+from diagnosis.judging.hiding import with_hidden
+from diagnosis.judging.sham import control_of, shams_on
+from diagnosis.judging.stages import MOST_OPEN, stage_probabilities
 from diagnosis.score import Errors, errors_of
-from diagnosis.searching import Search
-from diagnosis.sham import control_of, shams_on
-from diagnosis.stages import MOST_OPEN, stage_probabilities
-from diagnosis.trying import Candidate
+from diagnosis.trying.candidates import Candidate
+from diagnosis.trying.workshop import Progress, Workshop, tell_nobody
 from diagnosis.valve_diagnosis import Diagnosis
-from diagnosis.where import where_of
-from diagnosis.workshop import Progress, Workshop, tell_nobody
+from diagnosis.whereabouts.breakaway_curves import curves_of_ageing
+from diagnosis.whereabouts.curve import Curve
+from diagnosis.whereabouts.own_signals import Explained
+from diagnosis.whereabouts.regime_map import regime_map
+from diagnosis.whereabouts.regimes import regimes_of
+from diagnosis.whereabouts.residual_curves import residual_curves
+from diagnosis.whereabouts.where import where_of
 from identification.cores import begun, workers
+from identification.determined.uncertainty import estimates
 from identification.driving.between_rows import said_of_motion, share_left_out
 from identification.driving.measured_current import said_of_current
+from identification.driving.timing import experiments_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fitted_to_all, simulate_model
 from identification.holdout import Holdout
-from identification.timing import experiments_of
-from identification.uncertainty import estimates
 from valvemodel.effects import jumps
 from valvemodel.model import Model
 from valvemodel.quantities import format_quantity

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
-from diagnosis.trying import Candidate
+from diagnosis.trying.candidates import Candidate
+from diagnosis.trying.workshop import Progress, tell_nobody
 from diagnosis.valve_diagnosis import Diagnosis
-from diagnosis.workshop import Progress, tell_nobody
 from identification.experiment import Experiment
 from valvemodel.records import write_table
 

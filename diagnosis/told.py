@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.causes import Cause
-from diagnosis.regimes import Regime
 from diagnosis.score import Errors
+from diagnosis.whereabouts.regimes import Regime
 from valvemodel.display import Card, Shown
 from valvemodel.drawing import axes_or_new
 from valvemodel.errors import InputError

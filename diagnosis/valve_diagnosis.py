@@ -6,15 +6,15 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from diagnosis.base_numbers import BaseNumber
-from diagnosis.confusability import Confusability
-from diagnosis.curve import Curve
-from diagnosis.regime_map import RegimeMap
+from diagnosis.judging.confusability import Confusability
+from diagnosis.judging.sham import Control
+from diagnosis.judging.stages import open_stages
 from diagnosis.score import Errors, closed_interval, closed_share
-from diagnosis.sham import Control
-from diagnosis.stages import open_stages
 from diagnosis.told import Told
-from diagnosis.trying import Candidate
-from diagnosis.where import Where
+from diagnosis.trying.candidates import Candidate
+from diagnosis.whereabouts.curve import Curve
+from diagnosis.whereabouts.regime_map import RegimeMap
+from diagnosis.whereabouts.where import Where
 from identification.experiment import Experiment
 from identification.fit import Fit
 from identification.holdout import Holdout

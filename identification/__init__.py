@@ -8,9 +8,9 @@ from valvemodel.doors import door
 
 if TYPE_CHECKING:
     from identification.fitting import fit_records
-    from identification.outcome import Outcome
+    from identification.results.outcome import Outcome
 
-_HOMES = {"Outcome": "identification.outcome", "fit_records": "identification.fitting"}
+_HOMES = {"Outcome": "identification.results.outcome", "fit_records": "identification.fitting"}
 
 __all__ = ["Outcome", "fit_records"]
 

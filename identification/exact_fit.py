@@ -9,11 +9,11 @@ from math import isfinite
 import numpy as np
 
 from identification.experiment import Experiment, are_loops
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.fit import Fit, Masks, base_and_start_unknowns, base_box, finished, fit_base, measured
-from identification.hints import starts_of
 from identification.problem import Problem
 from identification.sharpening import sharpened
+from identification.starting.hints import starts_of
 from identification.unknowns import effect_unknowns
 from identification.wide import Box, is_at_noise, search_wide
 from valvemodel.effects import effect_of_key, is_jagged

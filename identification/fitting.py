@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 
 from identification.determined.account import account_of
 from identification.determined.sampling import sampled
+from identification.determined.uncertainty import estimates, rms_of
 from identification.driving.between_rows import may_have_moved, moving_between_rows, said_of_motion
 from identification.driving.measured_current import as_set, may_be_noisy, said_of_current
+from identification.driving.timing import experiments_of
 from identification.exact_fit import fit_exact
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.holdout import Holdout, hold_out
-from identification.loop_shape import SAYS_NOTHING_OF_TIME, shape_of_fit
-from identification.outcome import Outcome, fitted_name
-from identification.residual import residuals_of
-from identification.residual_check import residual_check
+from identification.results.loop_shape import SAYS_NOTHING_OF_TIME, shape_of_fit
+from identification.results.outcome import Outcome, fitted_name
+from identification.results.residual import residuals_of
+from identification.results.residual_check import residual_check
 from identification.stem_fit import fit_stem_record
-from identification.timing import experiments_of
-from identification.uncertainty import estimates, rms_of
 from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.loops import SETTLING_EFFECTS

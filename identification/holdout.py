@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from identification.experiment import Experiment, block_time_at
-from identification.rests import put_on_rests
+from identification.stick_slip.rests import put_on_rests
 from valvemodel.errors import InputError
 
 EVERY = 3

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from identification.determined.account import account_of_stem
+from identification.determined.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate
 from identification.holdout import EVERY
-from identification.outcome import Outcome, fitted_name
-from identification.residual import Residual
-from identification.uncertainty import AT_A_BOUND, HARDLY_SEEN, Estimate
+from identification.results.outcome import Outcome, fitted_name
+from identification.results.residual import Residual
 from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError

@@ -65,7 +65,7 @@ SEARCHES: dict[str, Search] = {
 def score_search(search: str, case: Case, repetitions: int, tick: Callable[[], None]) -> dict[str, float]:
     """Return in how many repetitions a search and a descent from its end find the valve, and its median seconds."""
     from benchmarks.identification.plants import not_found
-    from identification.uncertainty import estimates
+    from identification.determined.uncertainty import estimates
 
     hits, seconds = 0, []
     with threadpool_limits(1):

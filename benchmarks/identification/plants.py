@@ -12,7 +12,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 if TYPE_CHECKING:
-    from identification.uncertainty import Estimate
+    from identification.determined.uncertainty import Estimate
     from valvemodel.model import Model
     from valvemodel.records import Record
 

@@ -71,7 +71,7 @@ BUDGET = {"exact": 1.0, "smooth": 10.0}
 
 def score_route(route: str, case: Case, repetitions: int, tick: Callable[[], None]) -> Score:
     """Fit plants one after the other on one core; a first fit, not counted, loads what is compiled."""
-    from identification.uncertainty import estimates
+    from identification.determined.uncertainty import estimates
 
     fit = ROUTES[route]
     seconds: list[float] = []

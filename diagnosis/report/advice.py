@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from diagnosis.curve import AT_REST, BREAKAWAY, PLAIN
 from diagnosis.report.amounts import is_number, percent, probability_text
 from diagnosis.report.finding import WORTH_SAYING, found_cause, is_too_vague, is_undecided, own_stages
 from diagnosis.report.naming import DECLARED, STAGE_PARTS, capitalised, cause_title, effect_title, listed
 from diagnosis.report.place import CONCENTRATED
 from diagnosis.report.where import leads_of
+from diagnosis.whereabouts.curve import AT_REST, BREAKAWAY, PLAIN
 
 _TELLING = 0.5
 """Difference of two rivals over the noise, root mean square, from which an experiment tells them apart."""

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from diagnosis.score import errors_of
+from identification.driving.timing import experiments_of
 from identification.fit import Fit, base_and_start_unknowns, finished
-from identification.hints import starts_of
 from identification.holdout import Holdout, hold_out
 from identification.problem import Problem
 from identification.search import descend
-from identification.timing import experiments_of
+from identification.starting.hints import starts_of
 from identification.unknowns import effect_unknowns
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model

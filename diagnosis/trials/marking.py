@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from diagnosis.stages import stages_of
+from diagnosis.judging.stages import stages_of
 from valvemodel.effects import are_aliases
 
 MOST_DECLARED = 3

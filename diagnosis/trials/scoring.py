@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.stages import stages_of
+from diagnosis.judging.stages import stages_of
 from diagnosis.trials.answering import read_answer
 from diagnosis.trials.closure import IMITATED, closure_on_unseen
 from diagnosis.trials.marking import Mark, is_stage_right, mark, outcome_left_out, outcome_of

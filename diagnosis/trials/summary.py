@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.sham import WINS_FROM
+from diagnosis.judging.sham import WINS_FROM
 from diagnosis.trials.marking import OUTCOMES
 from diagnosis.trials.plan import KINDS
 from diagnosis.trials.scoring import Result

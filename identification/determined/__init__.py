@@ -1,1 +1,1 @@
-"""Which numbers a record determines: by structure, by sensitivity, and after a fit by intervals."""
+"""Which numbers a record determines: by structure, by sensitivity, and after a fit by intervals; and what it lacks."""

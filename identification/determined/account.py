@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from identification.adequacy import undetermined_by
+from identification.determined.adequacy import undetermined_by
 from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
 from identification.determined.profile import Ends, profile
 from identification.determined.sampling import likely
 from identification.determined.sensitivity import Direction, directions_of, sensitivity_of
 from identification.determined.structure import Structure, structure_of
-from identification.fit import Fit
-from identification.uncertainty import (
+from identification.determined.uncertainty import (
     HARDLY_SEEN,
     UNDETERMINED_SHARE,
     Estimate,
@@ -24,6 +23,7 @@ from identification.uncertainty import (
     covariance,
     interval_quantile,
 )
+from identification.fit import Fit
 from valvemodel.effects import is_jagged
 from valvemodel.model import Model
 from valvemodel.records import Record

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from identification.determined.neighbourhood import Neighbourhood
+from identification.determined.uncertainty import CONFIDENCE
 from identification.experiment import Experiment
-from identification.uncertainty import CONFIDENCE
 
 Progress = Callable[[str, float], None]
 

@@ -9,9 +9,9 @@ import numpy as np
 from identification.determined.neighbourhood import EVALUATIONS, PRECISION, neighbourhood_of, settled
 from identification.determined.profile import Ends
 from identification.determined.sensitivity import misfit
+from identification.determined.uncertainty import AT_BOUND, CONFIDENCE
 from identification.fit import Fit, finished
 from identification.search import Found, descend, errors
-from identification.uncertainty import AT_BOUND, CONFIDENCE
 from identification.unknowns import Unknown
 
 MEMBERS, GENERATIONS = 4, 600

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from identification.determined.uncertainty import UNDETERMINED_SHARE
 from identification.fit import Fit
 from identification.problem import FINE_TOLERANCE, Problem
-from identification.uncertainty import UNDETERMINED_SHARE
 from identification.unknowns import Unknown
 from valvemodel.effects import is_jagged
 from valvemodel.quantities import format_quantity

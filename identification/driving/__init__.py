@@ -1,1 +1,1 @@
-"""Which current drove the valve, where a record does not have it: between its rows, or below the noise of a meter?"""
+"""Which current drove the valve: before a row or after it, between the rows, or below the noise of a meter?"""

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from identification.determined.uncertainty import rms_of
+from identification.driving.timing import END_OF_PERIOD, SAME_PACE
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level
-from identification.timing import END_OF_PERIOD, SAME_PACE
-from identification.uncertainty import rms_of
 from valvemodel.effects import takes_long
 from valvemodel.periods import jumps, passing_otherwise, straight
 

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.adequacy import NOISELESS
+from identification.determined.adequacy import NOISELESS
+from identification.determined.uncertainty import rms_of
 from identification.driving.between_rows import COUNTS, SLOW, without_doubtful
 from identification.driving.smoothing import smoothed
 from identification.experiment import Experiment, Simulated
 from identification.fit import Fit, fitted_to_all, measured, simulate_model
 from identification.noise import noise_level, reading_step
-from identification.uncertainty import rms_of
 
 SURE = 1.0
 """Readings that depend by more than this on what is left of the noise of a current are left out. [noise]"""

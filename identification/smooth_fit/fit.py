@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.experiment import Experiment
+from identification.extending.following import KEPT_STARTS
+from identification.extending.forms import alike
 from identification.fit import Fit, Masks, base_and_start_unknowns, finished, measured
-from identification.following import KEPT_STARTS
-from identification.forms import alike
-from identification.joining import released
 from identification.problem import Problem
-from identification.screening import screened
 from identification.search import Found, descend
 from identification.smooth_fit.descent import WIDTHS, descend_smooth, narrowed, narrowed_by_shooting
 from identification.smooth_fit.guess import guessed
 from identification.smooth_fit.residuals import SmoothResiduals
 from identification.smooth_fit.smoothing import Smoothing, smoothing_of
+from identification.starting.joining import released
+from identification.starting.screening import screened
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 

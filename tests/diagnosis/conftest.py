@@ -9,7 +9,7 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.score import score_fit
-from diagnosis.trying import Candidate
+from diagnosis.trying.candidates import Candidate
 from identification.experiment import Experiment, experiment_of
 from identification.fit import fit_base
 from identification.holdout import Holdout, hold_out

@@ -9,9 +9,9 @@ import pytest
 from diagnosis.base_numbers import base_numbers
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.report.base_numbers import number_rows, refit_sentence
+from identification.determined.uncertainty import estimates
 from identification.experiment import experiment_of
 from identification.fit import fit_base, simulate_model
-from identification.uncertainty import estimates
 from valvemodel.records import Record
 
 

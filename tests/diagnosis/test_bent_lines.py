@@ -10,30 +10,30 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis import beside_slips as slips
-from diagnosis import trying
-from diagnosis.beside_slips import bends_to_stairs, bent_lines
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.looks import look_alone, look_beside
+from diagnosis.choosing import beside_slips as slips
+from diagnosis.choosing.beside_slips import bends_to_stairs, bent_lines
+from diagnosis.choosing.looks import look_alone, look_beside
+from diagnosis.choosing.stairs import REACH
 from diagnosis.score import score_fit
-from diagnosis.stairs import REACH
-from diagnosis.standing import blunt
-from diagnosis.trying import Candidate, Work, sharpen, try_effect
-from diagnosis.workshop import Workshop
-from identification import bent_at_will as waving
-from identification.bent_at_will import bent_at_will
-from identification.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
-from identification.breakaway import breakaways_of, counted, line_through, roamed
+from diagnosis.trying import candidates as trying
+from diagnosis.trying.candidates import Candidate, Work, sharpen, try_effect
+from diagnosis.trying.standing import blunt
+from diagnosis.trying.workshop import Workshop
 from identification.experiment import experiment_of
-from identification.extension import Extension, extend
+from identification.extending.extension import Extension, extend
 from identification.fit import Fit, fit_base
-from identification.hints import coarse_step
 from identification.holdout import hold_out
-from identification.rests import rests_of
 from identification.search import errors
 from identification.sharpening import sharpened
-from identification.slip_laws import slips_beside, slips_by
-from identification.stick_slip import line_of_stairs
+from identification.starting.hints import coarse_step
+from identification.stick_slip import bent_at_will as waving
+from identification.stick_slip.bent_at_will import bent_at_will
+from identification.stick_slip.bent_lines import LEAST_BREAKAWAYS, bent_afresh, bent_line, on_the_line, straight_line
+from identification.stick_slip.breakaway import breakaways_of, counted, line_through, roamed
+from identification.stick_slip.rests import rests_of
+from identification.stick_slip.slip_laws import slips_beside, slips_by
+from identification.stick_slip.slip_search import line_of_stairs
 from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model

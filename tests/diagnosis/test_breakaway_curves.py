@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 
 from diagnosis.blindtest.plants import Plant, draw_plant, measure
-from diagnosis.breakaway_curves import curves_of_ageing, curves_of_breakaways
-from diagnosis.curve import AT_REST, Curve
 from diagnosis.report.advice import breaking_away, next_step_of
 from diagnosis.report.curves import curves_picture
 from diagnosis.report.pictures import residual_pictures
+from diagnosis.whereabouts.breakaway_curves import curves_of_ageing, curves_of_breakaways
+from diagnosis.whereabouts.curve import AT_REST, Curve
 from identification.experiment import experiment_of
 from identification.fit import Fit, fit_base
 from valvemodel.files import finite

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.confusability import Confusability, confusability
+from diagnosis.judging.confusability import Confusability, confusability
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from valvemodel.effects import effect_of_key

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from diagnosis.ceiling import ceiling_of
-from diagnosis.explaining import stops_seen
+from diagnosis.judging.ceiling import ceiling_of
+from diagnosis.judging.sham import control_of, shams_on, smooth_noise
 from diagnosis.score import closed_share
-from diagnosis.sham import control_of, shams_on, smooth_noise
-from diagnosis.trying import Work, try_effect
+from diagnosis.trying.candidates import Work, try_effect
+from diagnosis.trying.explaining import stops_seen
 
 
 def test_no_sham_wins_where_nothing_is_missing(quiet, refitted):

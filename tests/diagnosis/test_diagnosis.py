@@ -11,13 +11,13 @@ import pytest
 
 from diagnosis.blindtest.plants import Truth, draw_plant, measure
 from diagnosis.diagnosing import diagnose, errors_as_given, said_of_given
-from diagnosis.regimes import regimes_of
 from diagnosis.score import closed_share, persistence_of
 from diagnosis.valve_diagnosis import Diagnosis
+from diagnosis.whereabouts.regimes import regimes_of
+from identification.driving.timing import END_OF_PERIOD, answers_own_row
 from identification.experiment import experiment_of
 from identification.holdout import hold_out
-from identification.regimes import masks_of, time_since_reversal
-from identification.timing import END_OF_PERIOD, answers_own_row
+from identification.results.regimes import masks_of, time_since_reversal
 from valvemodel.errors import InputError
 from valvemodel.loops import settle_loop
 from valvemodel.model import Model, read_model

@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis import hiding, judgement
-from diagnosis.explaining import WORTH_MORE, WORTH_ONE, leaves_nothing_to_tell
-from diagnosis.hiding import strongest_start, with_hidden
-from diagnosis.judgement import judge
+from diagnosis.judging import hiding, judgement
+from diagnosis.judging.hiding import strongest_start, with_hidden
+from diagnosis.judging.judgement import judge
 from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
-from diagnosis.trying import Candidate
-from diagnosis.workshop import Workshop
+from diagnosis.trying.candidates import Candidate
+from diagnosis.trying.explaining import WORTH_MORE, WORTH_ONE, leaves_nothing_to_tell
+from diagnosis.trying.workshop import Workshop
 from valvemodel.effects import effect_of_key
 
 EMPTY = Workshop(None)

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnosing import diagnose
 from diagnosis.trials.marking import CONFIDENT
-from diagnosis.unrecorded import with_unrecorded
+from diagnosis.trying.unrecorded import with_unrecorded
 from identification.driving.between_rows import FAR_APART, UNSEEN
 from identification.experiment import experiment_of
 from identification.fit import fit_base

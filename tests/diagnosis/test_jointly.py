@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.jointly import in_order, is_joined, nearest, try_jointly
+from diagnosis.choosing.jointly import in_order, is_joined, nearest, try_jointly
 from diagnosis.score import score_fit
-from diagnosis.trying import Candidate, Work, try_effect
-from diagnosis.workshop import Workshop
+from diagnosis.trying.candidates import Candidate, Work, try_effect
+from diagnosis.trying.workshop import Workshop
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from identification.holdout import hold_out

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis import lags_beside_jumps as lags
-from diagnosis.trying import Candidate
-from diagnosis.workshop import Workshop
+from diagnosis.choosing import lags_beside_jumps as lags
+from diagnosis.trying.candidates import Candidate
+from diagnosis.trying.workshop import Workshop
 
 EMPTY = Workshop(None)
 """Without a record, and all alone."""

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis import looks
-from diagnosis.workshop import Workshop
+from diagnosis.choosing import looks
+from diagnosis.trying.workshop import Workshop
 from valvemodel.effects import effect_of_key
 
 EMPTY = Workshop(None)

@@ -10,7 +10,7 @@ import pytest
 from diagnosis import next_experiment as designing
 from diagnosis.next_experiment import SEGMENTS, Limits, first_designs, next_experiment, profile_of
 from diagnosis.separation import blank_experiment, least_separation, rival_of, separations
-from diagnosis.trying import Candidate, Work, try_effect
+from diagnosis.trying.candidates import Candidate, Work, try_effect
 from identification.experiment import Experiment
 from identification.fit import fit_base, fitted_to_all, measured, simulate_model
 from valvemodel.model import Model

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.own_signals import Explained, Trial, explained_by_stages
+from diagnosis.judging.stages import with_own_signals
 from diagnosis.report.where import where_section
-from diagnosis.residual_curves import Curve, curves_of_own_signals
-from diagnosis.stage_functions import OF_STAGE, Seen, play
-from diagnosis.stages import with_own_signals
-from diagnosis.where import where_of
+from diagnosis.whereabouts.own_signals import Explained, Trial, explained_by_stages
+from diagnosis.whereabouts.residual_curves import Curve, curves_of_own_signals
+from diagnosis.whereabouts.stage_functions import OF_STAGE, Seen, play
+from diagnosis.whereabouts.where import where_of
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base, simulate_model
 from valvemodel.declarations import STAGES

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.residual_curves import curves_of_force, residual_curves
 from diagnosis.score import score_fit
-from diagnosis.stage_gaps import front_of
+from diagnosis.whereabouts.residual_curves import curves_of_force, residual_curves
+from diagnosis.whereabouts.stage_gaps import front_of
+from identification.determined.uncertainty import blocks_of
+from identification.driving.timing import experiments_of
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base, fitted_to_all, measured
 from identification.fitting import fit_records
 from identification.holdout import hold_out
 from identification.smooth_fit.residuals import SmoothResiduals
-from identification.timing import experiments_of
-from identification.uncertainty import blocks_of
 from valvemodel.model import Model
 from valvemodel.records import Record
 

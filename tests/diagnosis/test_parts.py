@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.parts import evenly_parted, gaps_of_blocks
+from diagnosis.trying.parts import evenly_parted, gaps_of_blocks
 from identification.fit import fit_base
 from identification.holdout import EVERY, hold_out
 

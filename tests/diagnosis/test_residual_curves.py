@@ -10,7 +10,7 @@ import pytest
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.report.advice import depends_of
 from diagnosis.report.curves import curves_picture
-from diagnosis.residual_curves import Curve, curves_against, gap_at, residual_curves
+from diagnosis.whereabouts.residual_curves import Curve, curves_against, gap_at, residual_curves
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base
 from valvemodel.files import finite

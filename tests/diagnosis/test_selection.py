@@ -7,11 +7,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis import alone as singles
-from diagnosis import ending, proposals, rivals, selection, standing, trying
-from diagnosis.explaining import AT_NOISE, explains
-from diagnosis.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
-from diagnosis.standing import (
+from diagnosis.choosing import alone as singles
+from diagnosis.choosing import ending, proposals, rivals, selection
+from diagnosis.choosing.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
+from diagnosis.trying import candidates as trying
+from diagnosis.trying import standing
+from diagnosis.trying.candidates import Candidate, Work
+from diagnosis.trying.explaining import AT_NOISE, explains
+from diagnosis.trying.standing import (
     SETTLED_SHARE,
     blunt,
     is_dear,
@@ -21,9 +24,8 @@ from diagnosis.standing import (
     values_alone,
     with_better,
 )
-from diagnosis.trying import Candidate, Work
-from diagnosis.workshop import Workshop
-from identification.glance import Glance
+from diagnosis.trying.workshop import Workshop
+from identification.extending.glance import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
 
 EMPTY = Workshop(None)

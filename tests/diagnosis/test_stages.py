@@ -7,9 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.judgement import Judgement
-from diagnosis.stages import open_stages, resemblance, stage_probabilities
-from diagnosis.trying import Candidate
+from diagnosis.judging.judgement import Judgement
+from diagnosis.judging.stages import open_stages, resemblance, stage_probabilities
+from diagnosis.trying.candidates import Candidate
 from valvemodel.stages import EFFECTS
 
 

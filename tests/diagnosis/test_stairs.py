@@ -9,21 +9,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis import searching
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.finding import order_of, verdict_of, yardstick_of
-from diagnosis.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
+from diagnosis.choosing import searching
+from diagnosis.choosing.stairs import makes_stairs, stairs_beside, with_stairs
+from diagnosis.judging.finding import order_of, verdict_of, yardstick_of
+from diagnosis.judging.judgement import SUREST_UNKNOWN, Judgement, errors_beyond_noise, judge, rivals_of
 from diagnosis.score import Errors, Score, score_fit
-from diagnosis.stairs import makes_stairs, stairs_beside, with_stairs
-from diagnosis.trying import Candidate
-from diagnosis.workshop import Workshop
+from diagnosis.trying.candidates import Candidate
+from diagnosis.trying.workshop import Workshop
 from identification.experiment import Experiment, Simulated, experiment_of
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.fit import Fit, fit_base
 from identification.holdout import hold_out
 from identification.problem import Problem
 from identification.search import errors
-from identification.staircase import stops_on_the_way
+from identification.stick_slip.staircase import stops_on_the_way
 from identification.unknowns import base_unknowns
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS

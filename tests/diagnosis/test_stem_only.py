@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.stem_only import StemOnlyDiagnosis, diagnose_stem_records, model_of
+from diagnosis.stem.diagnosing import StemOnlyDiagnosis, diagnose_stem_records, model_of
 from diagnosis.told import SCHEMA
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key

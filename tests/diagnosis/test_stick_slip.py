@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from diagnosis.choosing.stairs import REACH, makes_stairs
 from diagnosis.score import score_fit
-from diagnosis.stairs import REACH, makes_stairs
-from diagnosis.workshop import Workshop
-from identification.breakaway import Breakaways, breakaways_of, line_through
+from diagnosis.trying.workshop import Workshop
 from identification.experiment import experiment_of
-from identification.extension import Extension, extend
+from identification.extending.extension import Extension, extend
 from identification.fit import fit_base
 from identification.holdout import hold_out
-from identification.rests import Rest, put_on_rests, rests_of
-from identification.slip_laws import forms_of, slips_by
-from identification.stick_slip import line_of_stairs, search_slips
+from identification.stick_slip.breakaway import Breakaways, breakaways_of, line_through
+from identification.stick_slip.rests import Rest, put_on_rests, rests_of
+from identification.stick_slip.slip_laws import forms_of, slips_by
+from identification.stick_slip.slip_search import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis import trying
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.trials.plan import seeds_of
-from diagnosis.trying import Work, try_anew, try_effect
-from identification import following
+from diagnosis.trying import candidates as trying
+from diagnosis.trying.candidates import Work, try_anew, try_effect
 from identification.experiment import experiment_of
+from identification.extending import following
 from identification.fit import Fit, fit_base
 from identification.holdout import Holdout, hold_out
 from valvemodel.records import Record

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.corrections import MOST_SAMPLES, PLACES, corrected_at, smallest_correction, stretch_of
-from diagnosis.regime_map import COLUMNS, ROWS, regime_map
 from diagnosis.report.where import half_of_chain, where_section
-from diagnosis.stage_gaps import rms, stage_gaps, without_noise
-from diagnosis.where import CORRECTED, MEASURED, where_of
+from diagnosis.whereabouts.corrections import MOST_SAMPLES, PLACES, corrected_at, smallest_correction, stretch_of
+from diagnosis.whereabouts.regime_map import COLUMNS, ROWS, regime_map
+from diagnosis.whereabouts.stage_gaps import rms, stage_gaps, without_noise
+from diagnosis.whereabouts.where import CORRECTED, MEASURED, where_of
 from identification.experiment import Experiment, experiment_of
 from identification.fit import Fit, fit_base
 from valvemodel.declarations import STAGES

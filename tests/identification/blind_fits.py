@@ -9,10 +9,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from diagnosis.blindtest.plants import Plant, draw_plant, measure, write_record
-from identification.extension import extend
+from identification.driving.timing import experiments_of
+from identification.extending.extension import extend
 from identification.fit import Fit, fit_base
 from identification.holdout import hold_out
-from identification.timing import experiments_of
 from valvemodel.model import Model
 from valvemodel.records import read_record
 from valvemodel.valves import read_valve

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from diagnosis.diagnosing import diagnose
-from identification.adequacy import clipped_readings, turns, without_clipped
+from identification.determined.adequacy import clipped_readings, turns, without_clipped
+from identification.driving.timing import experiments_of
 from identification.experiment import experiment_of
 from identification.fitting import fit_records
-from identification.outcome import Outcome
-from identification.timing import experiments_of
+from identification.results.outcome import Outcome
 from valvemodel.errors import InputError
 from valvemodel.model import Model
 from valvemodel.records import Record

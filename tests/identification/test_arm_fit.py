@@ -4,8 +4,8 @@ import pytest
 from blind_fits import fits_to_plant
 
 from identification.fit import finished
-from identification.joining import joined
 from identification.search import descend_to_end
+from identification.starting.joining import joined
 from valvemodel.effects import effect_of_key
 
 

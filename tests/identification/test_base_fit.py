@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from identification.determined.uncertainty import covariance, estimates
 from identification.experiment import experiment_of
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.fit import Fit, fit_base
-from identification.hints import coarsest_grid, strongest_periods
 from identification.noise import flicker_level, noise_level, reading_grid
-from identification.uncertainty import covariance, estimates
+from identification.starting.hints import coarsest_grid, strongest_periods
 from identification.unknowns import EDGE, unknown_of
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key

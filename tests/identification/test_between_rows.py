@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
-from diagnosis.unrecorded import with_unrecorded
+from diagnosis.trying.unrecorded import with_unrecorded
 from identification.driving import between_rows
 from identification.driving.between_rows import (
     COUNTS,
@@ -23,11 +23,11 @@ from identification.driving.between_rows import (
     said_of_motion,
     unknown_if_held,
 )
+from identification.driving.timing import END_OF_PERIOD, are_read_at_end, experiments_of
 from identification.experiment import Experiment, score_rows, simulate_rows
 from identification.fit import Fit, fit_base
 from identification.fitting import fit_records
 from identification.problem import SEARCH_TOLERANCE
-from identification.timing import END_OF_PERIOD, are_read_at_end, experiments_of
 from valvemodel.model import Model
 from valvemodel.periods import finer, jumps, passing, passing_otherwise
 from valvemodel.records import Record

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from blind_fits import fits_to_plant
 
-from diagnosis.trying import freedom_of
-from identification.extension import extend
-from identification.joining import joined
-from identification.pressures import LIGHT, pressures_at_rest, with_pressures_of
-from identification.reduction import reduced
-from identification.screening import screened
+from diagnosis.trying.candidates import freedom_of
+from identification.extending.extension import extend
+from identification.extending.reduction import reduced
 from identification.search import Slopes, descend, descend_to_end
+from identification.starting.joining import joined
+from identification.starting.pressures import LIGHT, pressures_at_rest, with_pressures_of
+from identification.starting.screening import screened
 from valvemodel.effects import effect_of_key
 
 SEED, PROFILE = 1043752039, 1758290018

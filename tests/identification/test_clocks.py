@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from identification.driving.timing import experiments_of
 from identification.mending import clocks
 from identification.mending.clocks import check_clocks, rows_after_steps
-from identification.timing import experiments_of
 from valvemodel.errors import InputError
 from valvemodel.records import Record
 

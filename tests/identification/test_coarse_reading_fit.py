@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.search import descend_to_end
 
 FRICTION = "pressure_dependent_friction"

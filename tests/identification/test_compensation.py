@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from identification.compensation import compensated, compensated_trials, is_compensated
-from identification.extension import extend, extend_from
+from identification.extending.extension import extend, extend_from
 from identification.fit import Fit
-from identification.joining import joined
 from identification.search import errors
+from identification.starting.compensation import compensated, compensated_trials, is_compensated
+from identification.starting.joining import joined
 from tests.identification.blind_fits import base_of_plant
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
@@ -58,7 +58,7 @@ def test_trials_come_with_what_they_gain(sticking):
 
 def test_what_slopes_beside_slips_hide_is_found(sticking, monkeypatch):
     found = extend(sticking, "asymmetric_friction")
-    monkeypatch.setattr("identification.extension.is_compensated", lambda fit, effect: False)
+    monkeypatch.setattr("identification.extending.extension.is_compensated", lambda fit, effect: False)
     assert found.found.error < 0.8 * extend(sticking, "asymmetric_friction").found.error
 
 

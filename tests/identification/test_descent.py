@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant
 
-from identification.joining import joined
 from identification.problem import DIFFERENCE, ROUGH_TOLERANCE, SEARCH_TOLERANCE, Problem
 from identification.search import (
     END_EVALUATIONS,
@@ -17,6 +16,7 @@ from identification.search import (
     descend_to_end,
     errors,
 )
+from identification.starting.joining import joined
 from valvemodel.effects import effect_of_key
 
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from identification.adequacy import ONE_WAY
 from identification.determined.account import account_of, limits_of
+from identification.determined.adequacy import ONE_WAY
 from identification.determined.bootstrap import bootstrap
 from identification.determined.neighbourhood import neighbourhood_of
 from identification.determined.profile import profile
 from identification.determined.sensitivity import directions_of, sensitivity_of
 from identification.determined.structure import structure_of
+from identification.determined.uncertainty import MANY_MINIMA, estimates
 from identification.experiment import experiment_of
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.fit import Fit, fit_base
-from identification.uncertainty import MANY_MINIMA, estimates
 from valvemodel.equations.symmetries import SCALINGS
 from valvemodel.model import Model
 from valvemodel.records import Record

@@ -7,8 +7,8 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.blindtest.valve import integrate
+from identification.driving.timing import experiments_of
 from identification.mending.dropouts import without_dropouts
-from identification.timing import experiments_of
 from valvemodel.records import Record
 
 PLANT = draw_plant(21, ())

@@ -3,7 +3,7 @@
 import pytest
 from blind_fits import fits_to_plant
 
-from identification.hints import other_forms
+from identification.starting.hints import other_forms
 from valvemodel.effects import effect_of_key
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.diagnosing import diagnose
+from identification.driving.timing import experiments_of
 from identification.mending.filled_in import is_filled_up, measured_rows, spacing, without_filled_in
 from identification.noise import noise_level
-from identification.timing import experiments_of
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.valves import read_valve

@@ -8,7 +8,7 @@ from blind_fits import fits_to_plant
 
 import diagnosis
 from identification.experiment import experiment_of
-from identification.extension import extend
+from identification.extending.extension import extend
 from identification.fit import fit_base
 from valvemodel.model import Model
 from valvemodel.records import read_record

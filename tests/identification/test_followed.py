@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from identification import extension, following
-from identification.following import HOPELESS, IN_REACH, best_descended, hopeless_from, starts_from
-from identification.screening import Trial
+from identification.extending import extension, following
+from identification.extending.following import HOPELESS, IN_REACH, best_descended, hopeless_from, starts_from
 from identification.search import Found
+from identification.starting.screening import Trial
 from valvemodel.effects import effect_of_key
 
 

@@ -3,9 +3,9 @@
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification import extension
-from identification.extension import continued, extend
-from identification.glance import GLANCE, glanced
+from identification.extending import extension
+from identification.extending.extension import continued, extend
+from identification.extending.glance import GLANCE, glanced
 from identification.search import descend_roughly
 
 
@@ -47,7 +47,7 @@ def test_a_glance_takes_few_points(monkeypatch):
     _, base = base_of_plant(9302, ("sensor_lag",))
     asked = []
     monkeypatch.setattr(
-        "identification.following.descend_roughly",
+        "identification.extending.following.descend_roughly",
         lambda *given, evaluations, **named: (
             asked.append(evaluations) or descend_roughly(*given, evaluations=evaluations, **named)
         ),

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from identification.kin import taken_over
+from identification.extending.kin import taken_over
 
 
 def fit_of(**numbers: float) -> SimpleNamespace:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.extension import Extension, extend, extend_from
-from identification.pairs import traces_of
-from identification.restart import begun_again
-from identification.screening import screened
+from identification.extending.extension import Extension, extend, extend_from
+from identification.extending.pairs import traces_of
+from identification.extending.restart import begun_again
+from identification.extending.sluggishness import traded
 from identification.search import Found
-from identification.sluggishness import traded
+from identification.starting.screening import screened
 from identification.unknowns import Unknown
 from valvemodel.effects import effect_of_key
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.hints import nearby, strongest_periods
-from identification.screening import residual_positions
+from identification.starting.hints import nearby, strongest_periods
+from identification.starting.screening import residual_positions
 
 
 @pytest.mark.parametrize("seed", [9204, 9208])

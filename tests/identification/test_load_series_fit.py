@@ -7,15 +7,15 @@ from blind_fits import base_of_plant, fits_to_plant
 from diagnosis.blindtest.chain.clock import clock_of
 from diagnosis.blindtest.chain.stem import load_force
 from diagnosis.blindtest.plants import draw_plant, measure, write_record
-from diagnosis.trying import SERIES, freedom_of
-from identification.display import determined_lines, parameter_table
-from identification.extension import extend
+from diagnosis.trying.candidates import SERIES, freedom_of
+from identification.determined.uncertainty import blocks_of
+from identification.extending.extension import extend
+from identification.extending.forms import adds_series
 from identification.fitting import fit_records
-from identification.forms import adds_series
-from identification.joining import joined
-from identification.load_series import series_over, sizes_of
-from identification.screening import screened
-from identification.uncertainty import blocks_of
+from identification.results.display import determined_lines, parameter_table
+from identification.starting.joining import joined
+from identification.starting.load_series import series_over, sizes_of
+from identification.starting.screening import screened
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import read_record

@@ -10,7 +10,7 @@ from identification.determined.neighbourhood import neighbourhood_of
 from identification.experiment import experiment_of
 from identification.fit import fit_base
 from identification.fitting import fit_records
-from identification.outcome import Outcome
+from identification.results.outcome import Outcome
 from valvemodel.errors import InputError
 from valvemodel.loops import settle_loop, shape_of_loop
 from valvemodel.model import Model

@@ -11,10 +11,10 @@ from diagnosis.blindtest.plants import draw_plant
 from diagnosis.blindtest.profiles import draw_profile
 from diagnosis.blindtest.valve import integrate
 from identification.driving.measured_current import as_set, error_of_current, may_be_noisy, said_of_current
+from identification.driving.timing import experiments_of
 from identification.experiment import Experiment
 from identification.fit import Fit, fit_base
 from identification.fitting import fit_records
-from identification.timing import experiments_of
 from valvemodel.model import Model
 from valvemodel.records import Record
 from valvemodel.valves import read_valve

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant
 
-from identification.hints import resized
-from identification.pairs import FORMS, LARGEST, Trace, begun, promising_pairs, traces_of
+from identification.extending.pairs import FORMS, LARGEST, Trace, begun, promising_pairs, traces_of
 from identification.search import errors
+from identification.starting.hints import resized
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS
 

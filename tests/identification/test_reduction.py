@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from blind_fits import fits_to_plant
 
-from identification.extension import extend, extend_from
-from identification.reduction import reduced
+from identification.extending.extension import extend, extend_from
+from identification.extending.reduction import reduced
 
 KEY = "linkage_nonlinearity"
 

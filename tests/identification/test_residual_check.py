@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from identification.experiment import Experiment
-from identification.residual_check import INPUT_LAGS, checks_of
+from identification.results.residual_check import INPUT_LAGS, checks_of
 
 COUNT = 3000
 

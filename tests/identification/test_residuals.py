@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from identification.experiment import Experiment, simulate_rows
-from identification.joining import joined
 from identification.problem import LOST, SEARCH_TOLERANCE, Problem
 from identification.search import Slopes, Turned
+from identification.starting.joining import joined
 from identification.unknowns import base_unknowns
 from valvemodel import simulate
 from valvemodel.effects import effect_of_key

@@ -6,11 +6,11 @@ from blind_fits import base_of_plant, base_of_record
 
 from diagnosis.blindtest.plants import Plant, measure
 from diagnosis.blindtest.truth import Truth
-from identification.extension import extend
+from identification.extending.extension import extend
+from identification.extending.restart import begun_again, is_far_off
 from identification.fit import finished
-from identification.joining import joined
-from identification.restart import begun_again, is_far_off
 from identification.search import descend
+from identification.starting.joining import joined
 from valvemodel.effects import effect_of_key
 
 BASE = {

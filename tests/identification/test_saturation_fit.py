@@ -5,7 +5,7 @@ import pytest
 from blind_fits import fits_to_plant
 
 from diagnosis.blindtest.chain import electromagnet
-from identification.hints import other_forms
+from identification.starting.hints import other_forms
 from identification.unknowns import effect_unknowns
 from valvemodel.effects import effect_of_key
 from valvemodel.stages import EFFECTS

@@ -9,8 +9,8 @@ from blind_fits import fits_to_plant
 
 from identification import sharpening
 from identification.fit import finished
-from identification.joining import joined
 from identification.search import Found, descend_to_end
+from identification.starting.joining import joined
 from valvemodel.effects import effect_of_key
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
+from identification.driving.timing import experiments_of
 from identification.mending.spikes import spikes, without_spikes
-from identification.timing import experiments_of
 from valvemodel.records import Record
 
 SIGNALS = measure(draw_plant(21, ()), 8, duration=90.0)

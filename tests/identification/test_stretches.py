@@ -7,7 +7,7 @@ import pytest
 
 from identification.experiment import experiment_of
 from identification.mending.stretches import longest_stretch
-from identification.regimes import words_of
+from identification.results.regimes import words_of
 from valvemodel.records import Record
 
 

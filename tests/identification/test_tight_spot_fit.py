@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
-from identification.extension import Extension, extend
-from identification.screening import placed, screened
+from identification.extending.extension import Extension, extend
 from identification.search import LOOKED, roam_over
+from identification.starting.screening import placed, screened
 from valvemodel.effects import effect_of_key
 
 KEY = "position_dependent_friction"

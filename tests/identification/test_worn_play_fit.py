@@ -7,8 +7,8 @@ import pytest
 from blind_fits import base_of_plant, fits_to_plant
 
 from identification.fit import Fit, simulate_model
-from identification.joining import joined
 from identification.search import descend
+from identification.starting.joining import joined
 from valvemodel.effects import effect_of_key
 
 

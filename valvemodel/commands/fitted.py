@@ -9,8 +9,8 @@ import click
 if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
-    from identification.loop_shape import FittedShape
-    from identification.outcome import Outcome
+    from identification.results.loop_shape import FittedShape
+    from identification.results.outcome import Outcome
     from valvemodel.display import Table
 
 _PIPED_WIDTH = 120
@@ -20,7 +20,7 @@ def print_outcome(outcome: Outcome) -> None:
     """Print a fit: one table of parameters, one of residual checks, and what the records cannot say."""
     from rich.console import Console
 
-    from identification.display import (
+    from identification.results.display import (
         check_table,
         determined_lines,
         error_words,

@@ -1,0 +1,1 @@
+"""Why do a stem and its model disagree, by its measured force and position alone?"""
