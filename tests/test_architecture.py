@@ -3,6 +3,7 @@
 import ast
 import importlib
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,20 @@ def test_imports_run_one_way(path: Path):
         target = module.split(".")[0]
         assert target not in ROOMS or target in allowed, f"{name_of(path)}:{line} imports {module}"
         assert target != "tests", f"{name_of(path)}:{line} imports the tests"
+
+
+@pytest.mark.parametrize("room", ["identification", "diagnosis"])
+def test_rooms_within_a_room_stand_in_an_order(room: str):
+    inner = {path.parent.name for path in (ROOT / room).glob("*/__init__.py")}
+    below: dict[str, set[str]] = {name: set() for name in inner}
+    for name in inner:
+        for path in (ROOT / room / name).rglob("*.py"):
+            targets = {
+                module.split(".")[1] for module, _, _ in all_imports(tree_of(path)) if module.startswith(f"{room}.")
+            }
+            below[name] |= targets & inner - {name}
+    assert any(below.values())
+    assert len(list(TopologicalSorter(below).static_order())) == len(inner)
 
 
 def test_plants_import_nothing_of_the_toolkit():

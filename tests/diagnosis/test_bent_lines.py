@@ -16,7 +16,7 @@ from diagnosis.choosing.beside_slips import bends_to_stairs, bent_lines
 from diagnosis.choosing.looks import look_alone, look_beside
 from diagnosis.choosing.stairs import REACH
 from diagnosis.score import score_fit
-from diagnosis.trying import candidates as trying
+from diagnosis.trying import candidates
 from diagnosis.trying.candidates import Candidate, Work, sharpen, try_effect
 from diagnosis.trying.standing import blunt
 from diagnosis.trying.workshop import Workshop
@@ -405,7 +405,7 @@ def test_a_search_about_a_jagged_fit_comes_nearer_to_what_it_was_given(plant_and
     drift = try_effect(Work(base, ("sensor_drift",), is_global=False), holdout).fit
     pair = try_effect(Work(drift, ("sensor_drift", "static_friction"), is_global=True), holdout)
     made = []
-    monkeypatch.setattr(trying, "sharpened", lambda fit: made.append(sharpened(fit)) or made[-1])
+    monkeypatch.setattr(candidates, "sharpened", lambda fit: made.append(sharpened(fit)) or made[-1])
     kept = sharpen(pair, holdout)
     (sharper,) = made
     assert error_in_both_runs(sharper) < 0.95 * error_in_both_runs(pair.fit)

@@ -10,8 +10,7 @@ import pytest
 from diagnosis.choosing import alone as singles
 from diagnosis.choosing import ending, proposals, rivals, selection
 from diagnosis.choosing.proposals import FAR_BEHIND, NO_GAIN, exchanged, extensions, leaders_of, worthwhile
-from diagnosis.trying import candidates as trying
-from diagnosis.trying import standing
+from diagnosis.trying import candidates, standing
 from diagnosis.trying.candidates import Candidate, Work
 from diagnosis.trying.explaining import AT_NOISE, explains
 from diagnosis.trying.standing import (
@@ -311,7 +310,7 @@ def test_no_fit_is_searched_about_twice(monkeypatch):
     monkeypatch.setattr(selection, "each_in_turn", lambda *_: [])
     monkeypatch.setattr(selection, "sharpen_all", lambda causes, *_: asked.extend(causes) or sharpened_all(causes))
     monkeypatch.setattr(selection, "worth_beginning_again", lambda tried: tried[1:])
-    monkeypatch.setattr(trying, "begun_again", lambda fit: fit)
+    monkeypatch.setattr(candidates, "begun_again", lambda fit: fit)
     monkeypatch.setattr(selection, "change_all", lambda change, causes, *_: [change(each, None) for each in causes])
     done = replace(candidate(5.0, "coil_lag", "static_friction"), is_sharpened=True)
     pair = candidate(6.0, "coil_lag", "stribeck")
@@ -994,15 +993,15 @@ def test_what_comes_nearest_at_a_glance_is_tried_first_and_the_rest_as_far_as_it
     shares = {"coil_lag": 0.9, "supply_droop": singles.LEAST_SHARE_DEAR, "spring_hardening": singles.LEAST_SHARE}
     seen = {key: glance(base.fit, 2000.0 + place, shares.get(key, 0.0)) for place, key in enumerate(order)}
     asked: dict[str, tuple[object, float]] = {}
-    monkeypatch.setattr(trying, "try_effect", try_effect)
+    monkeypatch.setattr(candidates, "try_effect", try_effect)
     monkeypatch.setattr(singles, "glances", lambda fit, keys, workshop: {key: seen[key] for key in keys})
     tried = singles.try_by_promise(base, ["load_force", *order[::-1]], Workshop(None, pool))
     assert [each.effects for each in tried] == [(), *((key,) for key in [*order, "load_force"])]
     assert are_aliases("coil_lag", "sensor_lag")
     assert not are_aliases("coil_lag", "sensor_drift")
     followed = (None, proposals.FAR_BEHIND * 100.0)
-    expected = dict.fromkeys(order[: trying.AT_ONCE], (None, math.inf))
-    expected |= {key: (seen[key].fit, 0.0) for key in order[trying.AT_ONCE :]}
+    expected = dict.fromkeys(order[: candidates.AT_ONCE], (None, math.inf))
+    expected |= {key: (seen[key].fit, 0.0) for key in order[candidates.AT_ONCE :]}
     expected |= dict.fromkeys(["spring_hardening", "sensor_lag", "load_force"], followed)
     # Its runs are dear, and it shows nothing, whatever comes to the noise.
     expected["presliding"] = (seen["presliding"].fit, 0.0)
@@ -1023,10 +1022,10 @@ def test_what_comes_to_the_noise_at_a_glance_is_followed_from_there_alone(monkey
 @pytest.mark.parametrize(("worth", "is_followed"), [(105.0, True), (100.0, False)])
 def test_a_fit_that_was_begun_is_followed_where_it_is_worth_that(monkeypatch, worth, is_followed):
     begun, followed = candidate(1.0, "coil_lag").fit, candidate(0.9, "coil_lag").fit
-    monkeypatch.setattr(trying, "continued", lambda fit: followed if fit is begun else None)
-    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: Candidate(effects, fit, None))
+    monkeypatch.setattr(candidates, "continued", lambda fit: followed if fit is begun else None)
+    monkeypatch.setattr(candidates, "scored", lambda effects, fit, holdout: Candidate(effects, fit, None))
     work = Work(candidate(40.0).fit, ("coil_lag",), is_global=False, begun=begun, worth=worth)
-    found = trying.try_effect(work, None)
+    found = candidates.try_effect(work, None)
     assert found.fit is (followed if is_followed else begun)
     assert found.orders == {("coil_lag",)}
 
@@ -1178,13 +1177,13 @@ def test_what_a_law_alone_makes_of_the_slips_stays_with_it(monkeypatch, effects,
     asked = []
     work = Work(SimpleNamespace(), ("coil_lag", "static_friction")[-effects:], is_global=True)
     made = candidate(9.0, *work.effects)
-    monkeypatch.setattr(trying, "slips_asked", lambda fit, effect, how: found)
-    monkeypatch.setattr(trying, "extend", lambda fit, key, how: asked.append(how.slips) or made.fit)
-    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: made)
-    tried = trying.try_effect(work, None)
+    monkeypatch.setattr(candidates, "slips_asked", lambda fit, effect, how: found)
+    monkeypatch.setattr(candidates, "extend", lambda fit, key, how: asked.append(how.slips) or made.fit)
+    monkeypatch.setattr(candidates, "scored", lambda effects, fit, holdout: made)
+    tried = candidates.try_effect(work, None)
     assert asked == [found]
     assert tried.slips == kept
-    monkeypatch.setattr(trying, "sharpened", lambda fit: fit)
-    monkeypatch.setattr(trying, "scored", lambda effects, fit, holdout: candidate(8.0, *effects))
-    sharper = trying.sharpen(tried, None)
+    monkeypatch.setattr(candidates, "sharpened", lambda fit: fit)
+    monkeypatch.setattr(candidates, "scored", lambda effects, fit, holdout: candidate(8.0, *effects))
+    sharper = candidates.sharpen(tried, None)
     assert (sharper.score.misfit, sharper.slips) == (8.0, kept)

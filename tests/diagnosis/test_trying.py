@@ -8,7 +8,7 @@ import pytest
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.trials.plan import seeds_of
-from diagnosis.trying import candidates as trying
+from diagnosis.trying import candidates
 from diagnosis.trying.candidates import Work, try_anew, try_effect
 from identification.experiment import experiment_of
 from identification.extending import following
@@ -77,4 +77,4 @@ def test_a_slip_hangs_by_a_hair_where_a_law_is_right_only_where_it_was_fitted(la
         problem=SimpleNamespace(noise_error=3000.0),
     )
     score = SimpleNamespace(misfit=unseen, at_rests=object() if in_stairs else None)
-    assert trying.hangs_by_a_hair(fit, score) == hangs
+    assert candidates.hangs_by_a_hair(fit, score) == hangs
