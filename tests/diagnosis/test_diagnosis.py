@@ -67,8 +67,17 @@ def test_filling_is_unequal_where_it_differs_from_venting(quick_share: float, na
     assert found.cause.rivals == []
 
 
-def test_pressure_tells_the_stage() -> None:
-    found = diagnose([record_of_plant(2, ("transport_delay",), with_pressure=True)], calibrated(), jobs=2)
+@pytest.mark.parametrize(
+    ("effect", "candidates"),
+    [
+        ("transport_delay", ("transport_delay", "coil_lag", "chamber_filling", "presliding", "sensor_lag")),
+        # Without the pressure the sensor would be in doubt: what could imitate the drift is all that is tried.
+        ("gap_drift", ("sensor_drift", "friction_drift")),
+    ],
+)
+def test_pressure_tells_the_stage(effect: str, candidates: tuple[str, ...]) -> None:
+    record = record_of_plant(2, (effect,), duration=90.0, with_pressure=True)
+    found = diagnose([record], calibrated(), candidates=candidates, jobs=2)
     assert found.stage in ("nozzle", "electromagnet")
     assert found.stage_probability["sensor"] < 0.05
 

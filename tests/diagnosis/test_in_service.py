@@ -91,7 +91,7 @@ FRICTIONS = [each.key for each in EFFECTS if each.key.endswith("friction")]
 )
 def test_a_logger_slower_than_the_driver_names_what_is_there(effect: str, every: int) -> None:
     keys = (effect,) if effect else ()
-    taken = measure(draw_plant(5, keys), 1005)
+    taken = measure(draw_plant(5, keys), 1005, duration=90.0)
     slow = Record.from_arrays(name="slow", **{name: values[::every] for name, values in taken.items()})
     valve = read_valve("calibrated")
     # The search for a tight spot beside all others takes two minutes: it is told from friction of other kinds here.
