@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -77,17 +78,17 @@ class Told(Shown):
         return self.causes[0]
 
     @property
+    @abstractmethod
     def models(self) -> dict[str, Model]:
         """The models that are written down, by the name of the file: the refitted base, and what was found."""
-        raise NotImplementedError
 
+    @abstractmethod
     def as_json(self) -> dict[str, Any]:
         """Return the content of diagnosis.json."""
-        raise NotImplementedError
 
+    @abstractmethod
     def evidence(self) -> Evidence:
         """Return what the pictures show."""
-        raise NotImplementedError
 
     def write(self, folder: Path, *, jobs: int | None = 1) -> dict[str, Path]:
         """Write diagnosis.json, base.json, model.json and report.html, and return their places.

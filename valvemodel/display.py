@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from html import escape
@@ -61,11 +62,12 @@ class Card:
         return f"<div><p><strong>{escape(self.title)}</strong></p>{parts}</div>"
 
 
-class Shown:
+class Shown(ABC):
     """What shows itself as a card."""
 
+    @abstractmethod
     def _card(self) -> Card:
-        raise NotImplementedError
+        """Return the card."""
 
     def __repr__(self) -> str:
         return self._card().title
