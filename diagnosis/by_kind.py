@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from diagnosis.diagnosing import diagnose as diagnose_valve
-from diagnosis.trying.workshop import Progress, tell_nobody
 from diagnosis.valve_diagnosis import Diagnosis
 from valvemodel.errors import InputError
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.records import Record
 from valvemodel.records.several import check_one_kind
 from valvemodel.valves import read_valve

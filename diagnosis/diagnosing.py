@@ -19,7 +19,7 @@ from diagnosis.judging.sham import control_of, shams_on
 from diagnosis.judging.stages import MOST_OPEN, stage_probabilities
 from diagnosis.score import Errors, errors_of
 from diagnosis.trying.candidates import Candidate
-from diagnosis.trying.workshop import Progress, Workshop, tell_nobody
+from diagnosis.trying.workshop import Workshop
 from diagnosis.valve_diagnosis import Diagnosis
 from diagnosis.whereabouts.breakaway_curves import curves_of_ageing
 from diagnosis.whereabouts.curve import Curve
@@ -38,6 +38,7 @@ from identification.fit import Fit, fitted_to_all, simulate_model
 from identification.holdout import Holdout
 from valvemodel.effects import jumps
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.quantities import format_quantity
 from valvemodel.records import Record
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from diagnosis.separation import Rival, blank_experiment, least_separation, rival_of, separations
 from diagnosis.trying.candidates import Candidate
-from diagnosis.trying.workshop import Progress, tell_nobody
 from diagnosis.valve_diagnosis import Diagnosis
 from identification.experiment import Experiment
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.records import write_table
 
 SEGMENTS = 6

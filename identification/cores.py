@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -91,6 +91,11 @@ def begun(
         answer = do(*given, **named)
         return lambda: answer
     return pool.submit(do, *given, **named).result
+
+
+def mapped(pool: Executor | None, do: Callable[..., Answer], /, *given: Iterable[Any]) -> Iterator[Answer]:
+    """Make a call for each of what is given, on all cores where there is a pool; return the answers in order."""
+    return (pool.map if pool else map)(do, *given)
 
 
 def in_parts(do: Callable[[slice], None], rows: int) -> None:

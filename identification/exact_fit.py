@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from math import isfinite
 
@@ -18,8 +18,7 @@ from identification.unknowns import effect_unknowns
 from identification.wide import Box, is_at_noise, search_wide
 from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.model import Model
-
-Progress = Callable[[str, float], None]
+from valvemodel.progress import Progress, tell_nobody
 
 MOST_UNKNOWNS = 12
 """More are not searched for at once."""
@@ -31,7 +30,7 @@ def fit_exact(
     used: Masks | None = None,
     *,
     effects: Sequence[str] = (),
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Fit:
     """Fit base parameters and those of effects to experiments, in the exact simulator.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -26,13 +26,12 @@ from valvemodel.effects import effect_of_key, is_jagged
 from valvemodel.errors import InputError, unknown_name
 from valvemodel.loops import SETTLING_EFFECTS
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.records import Record
 from valvemodel.records.several import check_one_kind, told_apart
 
 if TYPE_CHECKING:
     from identification.smooth_fit import Smoothing
-
-Progress = Callable[[str, float], None]
 
 
 def fit_records(
@@ -44,7 +43,7 @@ def fit_records(
     has_profile: bool = False,
     repetitions: int = 0,
     route: str = "exact",
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Outcome:
     """Fit a valve's free parameters, and those of effects, to its records.
 

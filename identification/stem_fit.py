@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,12 +16,11 @@ from valvemodel.base_valve import BASE_PARAMETERS
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
 from valvemodel.model import Model
+from valvemodel.progress import Progress
 from valvemodel.records import Record
 
 _STEM_ALONE = ("spring_rate", "spring_preload", "travel_min", "travel_max", "rated_travel")
 """Base parameters that a force balance settles or does not need, fitted or not."""
-
-Progress = Callable[[str, float], None]
 
 
 def fit_stem_record(records: Sequence[Record], model: Model, effects: Sequence[str], progress: Progress) -> Outcome:

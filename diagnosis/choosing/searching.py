@@ -16,7 +16,7 @@ from diagnosis.trying.explaining import AT_NOISE, explains, misfit
 from diagnosis.trying.parts import evenly_parted, parted
 from diagnosis.trying.standing import NEAR_THE_BEST, best_of, with_better
 from diagnosis.trying.unrecorded import largest_error, with_unrecorded
-from diagnosis.trying.workshop import Progress, Workshop
+from diagnosis.trying.workshop import Workshop
 from identification.driving.between_rows import followed_anew, moving_between_rows
 from identification.driving.measured_current import as_set
 from identification.experiment import Experiment
@@ -25,6 +25,7 @@ from identification.holdout import Holdout, hold_out
 from valvemodel.declarations import Effect
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
+from valvemodel.progress import Progress
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from diagnosis.stem.records import Joined, check_kind, join, prepared
 from diagnosis.stem.regimes import regimes_of_rows
 from diagnosis.stem.scoring import plain, scored_on_blocks, scored_on_other
 from diagnosis.told import Told
-from diagnosis.trying.workshop import Progress, tell_nobody
 from identification.inverse_dynamics import StemDiagnosis, StemFit, diagnose_stem
 from identification.inverse_dynamics.fit import nominal_residual, root_mean_square
 from valvemodel.declarations import STAGES
 from valvemodel.effects import effect_of_key
 from valvemodel.errors import InputError
 from valvemodel.model import Model, check_valve
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.records import Record
 
 if TYPE_CHECKING:

@@ -17,10 +17,9 @@ from diagnosis.trials.scoring import Result, open_plant
 from diagnosis.trials.sealing import Places, check_settings, make_plant, read_seal, seal
 from diagnosis.trials.summary import summary_of
 from valvemodel.files import make_folder, write_json
+from valvemodel.progress import Progress, tell_nobody
 
 SCHEMA = "valvemodel.blindtest/1"
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def run_blindtest(
     *,
     has_baseline: bool = False,
     jobs: int = 2,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> BlindTest:
     """Make plants, seal their truth, diagnose their records, open and score them.
 

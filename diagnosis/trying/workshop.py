@@ -7,14 +7,11 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from identification.cores import mapped
 from identification.holdout import Holdout
+from valvemodel.progress import Progress, tell_nobody
 
 Answer = TypeVar("Answer")
-Progress = Callable[[str, float], None]
-
-
-def tell_nobody(what: str, share: float) -> None:
-    """Leave untold what is being done."""
 
 
 @dataclass(frozen=True)
@@ -37,4 +34,4 @@ class Workshop:
 
     def map(self, do: Callable[..., Answer], *given: Iterable[Any]) -> Iterator[Answer]:
         """Make a call for each of what is given, on all cores where there is a pool; return the answers in order."""
-        return (self.pool.map if self.pool else map)(do, *given)
+        return mapped(self.pool, do, *given)

@@ -16,6 +16,7 @@ import numpy as np
 
 from diagnosis.whereabouts.corrections import closed_of, in_means, run_with_pressures
 from diagnosis.whereabouts.stage_functions import functions_of
+from identification.cores import mapped
 from identification.experiment import Experiment, simulate_rows
 from identification.fit import Fit, measured
 from identification.problem import DIFFERENCE, LOST, SEARCH_TOLERANCE, Problem
@@ -203,7 +204,7 @@ def explained_by_stages(
     pool : Executor or None
         Whose processes are used.
     """
-    found = list((pool.map if pool else map)(partial(explained_by, experiment, base, start), stages))
+    found = mapped(pool, partial(explained_by, experiment, base, start), stages)
     return sorted(found, key=lambda each: each.left)
 
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from identification.design.information import Prospect
 from identification.determined.neighbourhood import Neighbourhood
+from valvemodel.progress import Progress
 
 START = 3.0
 """A refit starts so many expected standard deviations off the truth."""
-
-Progress = Callable[[str, float], None]
 
 
 def observed_deviations(

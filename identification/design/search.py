@@ -14,6 +14,7 @@ from identification.design.repetition import observed_deviations
 from identification.determined.sensitivity import differences
 from valvemodel.errors import unknown_name
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 
 SCHEMA = "valvemodel.design/1"
 
@@ -29,8 +30,6 @@ CRITERIA: dict[str, Callable[[np.ndarray], float]] = {
 }
 """What a design makes small of the covariance of the chosen parameters: by D the log of their ellipsoid's squared
 volume, by A that of the sum of their relative variances."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,7 @@ def design(
     noise: float,
     criterion: str = "D",
     repetitions: int = REPETITIONS,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
     seed: int = 0,
 ) -> Design:
     """Find the admissible current that tells most about chosen parameters.

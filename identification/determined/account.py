@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -26,9 +26,8 @@ from identification.determined.uncertainty import (
 from identification.fit import Fit
 from valvemodel.effects import is_jagged
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.records import Record
-
-Progress = Callable[[str, float], None]
 
 WIDEST_INTERVAL = 4.0 * UNDETERMINED_SHARE
 """A 95 % interval wider than this, four standard deviations of half the prior's, determines nothing. [prior]"""
@@ -109,7 +108,7 @@ def account_of(
     has_profile: bool = False,
     samples: np.ndarray | None = None,
     repetitions: int = 0,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Account:
     """Return what a fit to current and position determines.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +9,11 @@ import numpy as np
 from identification.determined.neighbourhood import Neighbourhood
 from identification.determined.uncertainty import CONFIDENCE
 from identification.experiment import Experiment
-
-Progress = Callable[[str, float], None]
+from valvemodel.progress import Progress, tell_nobody
 
 
 def bootstrap(
-    near: Neighbourhood, repetitions: int, progress: Progress = lambda what, share: None, *, seed: int = 0
+    near: Neighbourhood, repetitions: int, progress: Progress = tell_nobody, *, seed: int = 0
 ) -> dict[str, tuple[float, float, float]]:
     """Return standard deviation, low and high end of the 95 % interval of each parameter by name. [SI]
 

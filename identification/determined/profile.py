@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
 from identification.determined.neighbourhood import Neighbourhood
 from identification.search import Found, errors
+from valvemodel.progress import Progress, tell_nobody
 
 Ends = tuple[float | None, float | None]
-Progress = Callable[[str, float], None]
 
 MOST_STEPS = 12
 """Doublings of a step outwards, and halvings of what is left between in and out."""
@@ -20,7 +19,7 @@ PRECISION = 0.03
 """Share of its distance from the solution to which an end is found."""
 
 
-def profile(near: Neighbourhood, limits: np.ndarray, progress: Progress = lambda what, share: None) -> dict[str, Ends]:
+def profile(near: Neighbourhood, limits: np.ndarray, progress: Progress = tell_nobody) -> dict[str, Ends]:
     """Return the ends of each parameter's interval by name, None where it is open up to the bound of the search. [SI]
 
     Parameters

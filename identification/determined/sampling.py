@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from identification.determined.uncertainty import AT_BOUND, CONFIDENCE
 from identification.fit import Fit, finished
 from identification.search import Found, descend, errors
 from identification.unknowns import Unknown
+from valvemodel.progress import Progress, tell_nobody
 
 MEMBERS, GENERATIONS = 4, 600
 """Points for each unknown, and steps of each; the first half is left out."""
@@ -32,10 +33,8 @@ JITTER = 1e-3
 STRAGGLER, GATHERING = 20.0, 20
 """A point so much above the median error starts anew at another one, every so many steps of the first half."""
 
-Progress = Callable[[str, float], None]
 
-
-def sampled(fit: Fit, progress: Progress = lambda what, share: None, *, seed: int = 0) -> tuple[Fit, np.ndarray]:
+def sampled(fit: Fit, progress: Progress = tell_nobody, *, seed: int = 0) -> tuple[Fit, np.ndarray]:
     """Return a fit in the best minimum that is found, and points drawn from its likelihood, weak priors in it.
 
     Returns

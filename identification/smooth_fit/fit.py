@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from identification.starting.joining import released
 from identification.starting.screening import screened
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 
 TRIAL_EVALUATIONS, TRIAL_PRECISION = 8, 1e-3
 """A start is followed this far before the best is taken."""
@@ -66,7 +67,7 @@ def fit_smooth(
     used: Masks | None = None,
     widths: Sequence[float] = WIDTHS,
     is_multiple: bool = False,
-    progress: Callable[[str, float], None] = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> SmoothFit:
     """Fit the base parameters, those of effects and the start positions on the smooth chain.
 

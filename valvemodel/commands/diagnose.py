@@ -22,8 +22,9 @@ from valvemodel.commands.given import (
     valve_option,
 )
 from valvemodel.commands.places import check_file, check_folder, check_not_input, write_together
-from valvemodel.commands.waiting import Report, progress_shown
+from valvemodel.commands.waiting import progress_shown
 from valvemodel.errors import InputError
+from valvemodel.progress import Progress
 
 if TYPE_CHECKING:
     from diagnosis.next_experiment import Limits
@@ -149,7 +150,7 @@ def limits_of(duration: str, currents: tuple[str, str], rate: str | None) -> Lim
     return Limits(lowest, highest, fastest, seconds)
 
 
-def _with_next_experiment(diagnosis: Any, limits: Limits, path: Path, progress: Report) -> Any:
+def _with_next_experiment(diagnosis: Any, limits: Limits, path: Path, progress: Progress) -> Any:
     from diagnosis.next_experiment import next_experiment
 
     return replace(diagnosis, next_experiment=next_experiment(diagnosis, limits, name=path.name, progress=progress))

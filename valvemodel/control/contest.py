@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from valvemodel.control.branches import branches_of
@@ -16,6 +16,7 @@ from valvemodel.control.side_by_side import side_by_side
 from valvemodel.control.tuning import BUDGET, Bench, cost, tune
 from valvemodel.errors import InputError
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 
 JUDGED = (0.50, 0.75, 0.71, 0.40, 0.45, 0.90, 0.20)
 """Set points of the contest as shares of the reach: long and short steps, with and against the last one."""
@@ -25,8 +26,6 @@ TRAINED = (0.30, 0.70, 0.62, 0.25, 0.33, 0.80, 0.55, 0.15)
 
 START_CURRENT = 12e-3
 """The valve rests at mid-range, from which (34) counts. [A]"""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def hold_contest(
     seed: int = 0,
     budget: int = BUDGET,
     kinds: Sequence[Kind] = KINDS,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Contest:
     """Calibrate and tune on a valve, then run every kind of controller on the same set points.
 

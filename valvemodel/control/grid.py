@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from valvemodel.control.contest import TRAINED, Progress, make_bench
+from valvemodel.control.contest import TRAINED, make_bench
 from valvemodel.control.kinds import GAINS, kind_of
 from valvemodel.control.loop import run_compiled
 from valvemodel.control.measures import BAND_SHARE, measures_of, overall
@@ -16,6 +16,7 @@ from valvemodel.control.scenario import Scenario, check_conditions, held_levels
 from valvemodel.control.side_by_side import side_by_side
 from valvemodel.control.tuning import BUDGET, Bench, aged, tune
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 
 FACTORS: dict[str, tuple[float, ...]] = {
     "friction_ratio": (1.0, 1.1, 1.2, 1.4, 1.7, 2.0),
@@ -85,7 +86,7 @@ def run_grid(
     seed: int = 0,
     budget: int = BUDGET,
     factors: Mapping[str, tuple[float, ...]] = FACTORS,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Grid:
     """Tune at the nominal point, then run every controller at every point of the grid.
 

@@ -6,7 +6,6 @@ Found on the smooth chain with CasADi and IPOPT, then run on the exact valve, wh
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from valvemodel.errors import InputError
 from valvemodel.model import Model
+from valvemodel.progress import Progress, tell_nobody
 from valvemodel.simulation import Trajectory, simulate
 from valvemodel.smooth.chain import SmoothChain, parts_for
 from valvemodel.smooth.steering import HASTE, LEISURE, Steered, SteeringProgram
@@ -49,8 +49,6 @@ MOST_PERIODS = 2000
 
 EASE = 2.0
 """A move of least travel may take so many times the least time, unless it is said."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -143,7 +141,7 @@ def least_time(
     rate: float = math.inf,
     current_range: tuple[float, float] = CURRENT_RANGE,
     band: float = BAND,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Move:
     """Find the current that brings a valve at rest to a new reading soonest, without overshoot.
 
@@ -194,7 +192,7 @@ def least_travel(
     rate: float = math.inf,
     current_range: tuple[float, float] = CURRENT_RANGE,
     band: float = BAND,
-    progress: Progress = lambda what, share: None,
+    progress: Progress = tell_nobody,
 ) -> Move:
     """Find the current of least travel, the sum of its changes, that arrives within a time, without overshoot.
 

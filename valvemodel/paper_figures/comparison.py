@@ -10,11 +10,10 @@ from valvemodel.control.kinds import KINDS
 from valvemodel.control.tuning import BUDGET
 from valvemodel.drawing import BLUE, GREEN, INK, VERMILLION
 from valvemodel.model import Model
+from valvemodel.progress import Progress
 from valvemodel.valves import read_valve
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from matplotlib.figure import Figure
 
 COMPARED = {"pid": VERMILLION, "sc": GREEN, "sc_pid_mean": BLUE}
@@ -27,7 +26,7 @@ DEVIATION = 20.0
 """That the lower axes show. [mm]"""
 
 
-def compare(progress: Callable[[str, float], None]) -> Contest:
+def compare(progress: Progress) -> Contest:
     """Tune the three alike and run them on `calibrated` with breakaway friction.
 
     Beside them runs what one of them takes its tuning from.

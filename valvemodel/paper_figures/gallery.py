@@ -11,10 +11,10 @@ from valvemodel.files import write_json
 from valvemodel.paper_figures.calibration import VALVES, calibrated, draw_scheme, draw_settled_loops
 from valvemodel.paper_figures.comparison import compare, comparison_json, draw_comparison
 from valvemodel.paper_figures.sweep import draw_sweep, sweep
+from valvemodel.progress import Progress
 
 SCHEMA = "valvemodel.figures/1"
 
-Progress = Callable[[str, float], None]
 Maker = Callable[[Path, Progress], dict[str, Any]]
 
 
