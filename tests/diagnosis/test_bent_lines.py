@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from workshops import EMPTY
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.choosing import beside_slips as slips
@@ -38,9 +39,6 @@ from valvemodel.breakaways import ways_to_breakaway
 from valvemodel.effects import effect_of_key
 from valvemodel.model import Model
 from valvemodel.records import Record
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 
 @pytest.fixture(scope="module")

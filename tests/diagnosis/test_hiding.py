@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from workshops import EMPTY
 
 from diagnosis.judging import hiding, judgement
 from diagnosis.judging.hiding import strongest_start, with_hidden
@@ -13,11 +14,7 @@ from diagnosis.score import Errors, Score
 from diagnosis.trials.marking import mark
 from diagnosis.trying.candidates import Candidate
 from diagnosis.trying.explaining import WORTH_MORE, WORTH_ONE, leaves_nothing_to_tell
-from diagnosis.trying.workshop import Workshop
 from valvemodel.effects import effect_of_key
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 
 def candidate(misfit: float, *effects: str, trace: float = 5.0) -> Candidate:

@@ -7,13 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from workshops import EMPTY
 
 from diagnosis.choosing import lags_beside_jumps as lags
 from diagnosis.trying.candidates import Candidate
-from diagnosis.trying.workshop import Workshop
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 
 def named(misfit: float, *effects: str) -> Candidate:

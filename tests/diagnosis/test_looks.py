@@ -5,13 +5,10 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
+from workshops import EMPTY
 
 from diagnosis.choosing import looks
-from diagnosis.trying.workshop import Workshop
 from valvemodel.effects import effect_of_key
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 HELD = {
     ("spring_hardening", "static_friction"): 5.0,

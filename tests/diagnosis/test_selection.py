@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from workshops import EMPTY
 
 from diagnosis.choosing import alone as singles
 from diagnosis.choosing import ending, proposals, rivals, selection
@@ -26,9 +27,6 @@ from diagnosis.trying.standing import (
 from diagnosis.trying.workshop import Workshop
 from identification.extending.glance import Glance
 from valvemodel.effects import are_aliases, differ_by_aliases, effect_of_key
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 
 def candidate(misfit: float, *effects: str) -> Candidate:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from workshops import EMPTY
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.choosing import searching
@@ -27,9 +28,6 @@ from identification.stick_slip.staircase import stops_on_the_way
 from identification.unknowns import base_unknowns
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 
 def plant_with(seed: int, *effects: str, duration: float = 150.0) -> Experiment:

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from workshops import EMPTY
 
 from diagnosis.blindtest.plants import draw_plant, measure
 from diagnosis.choosing.stairs import REACH, makes_stairs
 from diagnosis.score import score_fit
-from diagnosis.trying.workshop import Workshop
 from identification.experiment import experiment_of
 from identification.extending.extension import Extension, extend
 from identification.fit import fit_base
@@ -22,9 +22,6 @@ from identification.stick_slip.slip_search import line_of_stairs, search_slips
 from valvemodel.effects import effect_of_key
 from valvemodel.records import Record
 from valvemodel.stages import EFFECTS
-
-EMPTY = Workshop(None)
-"""Without a record, and all alone."""
 
 NOISE = 1e-4
 
